@@ -110,27 +110,27 @@ def show(
     if robot is not None:
         _show_robot(robot, as_json=as_json)
         return
-    files = configured(source, [read_source(path) for path in config or ()])
+    source, configs, warnings = configured(source, [read_source(path) for path in config or ()])
     marks = default_guarantee or ()
-    survey, problems = survey_of(files.source)
-    reading = read_models(files.source, marks)
+    survey, problems = survey_of(source)
+    reading = read_models(source, marks)
     if has_errors(problems) or (not reading.models and has_errors(reading.problems)):
         raise EddiError(*(problems if has_errors(problems) else reading.problems))
     chosen: Sequence[Model] = reading.models
     if name is not None:
         chosen = select_models(reading.models, name)
         survey = only(survey, chosen)
-    accepted, models, wrong = accepted_of(reading.models, files.configs, marks)
+    accepted, models, wrong = accepted_of(reading.models, configs, marks)
     if as_json:
         rows = [acceptance.as_json() for acceptance in accepted]
-        console.json({**survey, "accepted": rows} if files.configs else survey)
+        console.json({**survey, "accepted": rows} if configs else survey)
     else:
         pairs = zip(reading.models, models, strict=True)
         _print(survey, reading.models, [joined for model, joined in pairs if model in chosen])
         if accepted:
             console.data("\n".join(["", "accepted:", *(f"  {a.as_text()}" for a in accepted)]))
     of_models = [] if as_json else [*reading.problems, *reading.unread, *unfit(chosen)]
-    console.problems([*files.problems, *wrong, *of_models])
+    console.problems([*warnings, *wrong, *of_models])
     if wrong or has_errors(reading.problems):  # what remains of the file was shown
         raise typer.Exit(ExitStatus.NO)
 

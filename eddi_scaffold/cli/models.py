@@ -46,10 +46,10 @@ def diagram(
     if is_fleet(source):
         files = {f"{source.stem}.svg": picture_of_fleet(source, checked_models)}
     else:
-        chosen = configured(source, ())  # a configuration that names its model
-        place, marks = Path(chosen.source.name), default_guarantee or ()
-        files, problems = pictures(place, name, marks, single=single)
-        console.problems([*chosen.problems, *problems])
+        source, _, warnings = configured(source, ())  # a configuration that names its model
+        marks = default_guarantee or ()
+        files, problems = pictures(Path(source.name), name, marks, single=single)
+        console.problems([*warnings, *problems])
     if output is None:
         console.data("\n".join(svg.rstrip("\n") for svg in files.values()))
         return

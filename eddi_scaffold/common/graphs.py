@@ -62,54 +62,35 @@ def cycles(inputs: Mapping[str, Sequence[str]]) -> list[list[str]]:
     """
     place = {id_: index for index, id_ in enumerate(inputs)}
     targets = reversed_graph(inputs)
-    shortest: list[list[str]] = []
-    for knot in _knots(inputs):
-        start = min(knot, key=place.__getitem__)
-        cycle = _shortest_cycle(targets, start, knot)
-        if cycle:
-            shortest.append(cycle)
-    return sorted(shortest, key=lambda cycle: place[cycle[0]])
+    starts = [(min(knot, key=place.__getitem__), knot) for knot in _knots(inputs, targets)]
+    shortest = [_shortest_cycle(targets, start, knot) for start, knot in starts]
+    return sorted(filter(None, shortest), key=lambda cycle: place[cycle[0]])
 
 
-def _knots(graph: Mapping[str, Sequence[str]]) -> list[set[str]]:
-    """Return the strongly connected components (Tarjan 1972, with a stack of its own)."""
-    number: dict[str, int] = {}
-    low: dict[str, int] = {}
-    path: list[str] = []
-    knots: list[set[str]] = []
+def _knots(graph: Mapping[str, Sequence[str]], targets: Graph) -> list[set[str]]:
+    """Return the strongly connected components (Kosaraju, with a stack of its own)."""
+    finished: list[str] = []
+    seen: set[str] = set()
     for root in graph:
-        calls = [(root, iter(graph[root]))] if root not in number else []
-        if calls:
-            number[root] = low[root] = len(number)
-            path.append(root)
+        calls = [(root, False)]
         while calls:
-            id_, rest = calls[-1]
-            following = next(rest, None)
-            if following is None:
-                calls.pop()
-                if calls:
-                    low[calls[-1][0]] = min(low[calls[-1][0]], low[id_])
-                if low[id_] == number[id_]:
-                    knots.append(_cut_off(path, id_, low))
-            elif following not in number:
-                number[following] = low[following] = len(number)
-                path.append(following)
-                calls.append((following, iter(graph[following])))
-            elif following in low:
-                low[id_] = min(low[id_], number[following])
+            id_, is_done = calls.pop()
+            if is_done:
+                finished.append(id_)
+            elif id_ not in seen:
+                seen.add(id_)
+                calls += [(id_, True), *((following, False) for following in graph[id_])]
+    knots: list[set[str]] = []
+    for root in reversed(finished):  # what leads to it, and is in no knot yet
+        knot, waiting = set[str](), [root]
+        while waiting:
+            id_ = waiting.pop()
+            if id_ in seen:
+                seen.remove(id_)
+                knot.add(id_)
+                waiting += targets[id_]
+        knots += [knot] if knot else []
     return knots
-
-
-def _cut_off(path: list[str], root: str, low: dict[str, int]) -> set[str]:
-    """Take a finished component from the path; its nodes leave ``low`` too."""
-    start = len(path) - 1
-    while path[start] != root:
-        start -= 1
-    knot = set(path[start:])
-    del path[start:]
-    for id_ in knot:
-        del low[id_]
-    return knot
 
 
 def _shortest_cycle(

@@ -143,20 +143,10 @@ class Handler(BaseHTTPRequestHandler):
         self.guarded(self.post)
 
     def get(self) -> None:
-        """Answer a GET.
-
-        Raises:
-            Refused: there is nothing at this path.
-        """
+        """Refuse: there is nothing at this path."""
         raise Refused(HTTPStatus.NOT_FOUND, "there is nothing here")
 
-    def post(self) -> None:
-        """Answer a POST.
-
-        Raises:
-            Refused: there is nothing at this path.
-        """
-        raise Refused(HTTPStatus.NOT_FOUND, "there is nothing here")
+    post = get
 
     def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - its name there
         """Log nothing: the terminal belongs to the command."""

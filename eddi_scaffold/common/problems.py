@@ -11,8 +11,6 @@ from dataclasses import dataclass, replace
 from eddi_scaffold.common import catalogue
 from eddi_scaffold.common.catalogue import Level
 
-_RANK: dict[str, int] = {"info": 1, "warning": 2, "error": 3}
-
 
 @dataclass(frozen=True)
 class Place:
@@ -113,11 +111,6 @@ def problem(
 def has_errors(problems: Iterable[Problem]) -> bool:
     """Return whether one of the problems is an error."""
     return any(p.level == "error" for p in problems)
-
-
-def worst(problems: Iterable[Problem]) -> Level | None:
-    """Return the highest level among the problems, ``None`` when there are none."""
-    return max((p.level for p in problems), key=_RANK.__getitem__, default=None)
 
 
 def in_order(problems: Iterable[Problem]) -> list[Problem]:

@@ -11,7 +11,7 @@ from eddi_scaffold.common.problems import Place, Problem, most_similar, problem
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import PublishedTopic, WiredMonitor
 from eddi_scaffold.monitors.input_rules import kind_of_message
-from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, read_respelt
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication
 
 
 class Publisher(NamedTuple):
@@ -130,7 +130,7 @@ def check_spellings(deployment: Deployment) -> Iterator[Problem]:
             package, _, name = source.type.partition("/")
             if package == MESSAGE_PACKAGE and name in respelt:
                 place = member.config.place("SimulatorOutputs", index, "type")
-                yield read_respelt(name, place)
+                yield problem("G026", place, message=name)
 
 
 def shared_by_robots(members: Sequence[WiredMonitor]) -> str | None:

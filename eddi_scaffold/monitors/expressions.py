@@ -93,8 +93,9 @@ class ExpressionBinder:
             return None
         for name in compiled.names:  # some are not in the text: the angles of a scan
             source = self.sources.get(head_of(name))
-            is_new = source is not None and "." in name and name not in self.resolved
-            if is_new and self._resolve(name, source, partial(texts[0].locate, 0)) is None:
+            if source is None or "." not in name or name in self.resolved:
+                continue
+            if self._resolve(name, source, partial(texts[0].locate, 0)) is None:
                 break
         if has_errors(self.problems):
             return None

@@ -26,16 +26,11 @@ class MonitorNode:
     monitor: BoundMonitor
     config: ConfigFile
     publications: list[Publication]
-    problems: list[Problem]
 
     @cached_property
     def published(self) -> list[Publication]:
         """Return the topics that have a row of their own: all but the status of a result."""
-        return [
-            publication
-            for publication in self.publications
-            if publication.of != STATUS or publication.path
-        ]
+        return [topic for topic in self.publications if topic.of != STATUS or topic.path]
 
     @cached_property
     def heard(self) -> list[SimulatorOutput]:
@@ -50,13 +45,10 @@ class MonitorNode:
 
     @cached_property
     def _required(self) -> list[SimulatorOutput]:
-        used = {
-            requirement.id for binding in self.monitor.inputs for requirement in binding.requires
-        }
-        first: dict[str, SimulatorOutput] = {}
-        for entry in self.config.config.SimulatorOutputs:
-            first.setdefault(entry.id, entry)
-        return [source for name, source in first.items() if name in used]
+        used = {source.id for binding in self.monitor.inputs for source in binding.requires}
+        entries = self.config.config.SimulatorOutputs
+        first = {entry.id: entry for entry in reversed(entries)}
+        return [first[name] for name in dict.fromkeys(e.id for e in entries) if name in used]
 
     @property
     def status(self) -> str | None:
@@ -121,12 +113,12 @@ class MonitorNode:
         }
 
 
-def node_of(monitor: BoundMonitor) -> MonitorNode:
-    """Return the node of a monitor; the configuration is there (``needs_config``)."""
+def node_of(monitor: BoundMonitor) -> tuple[MonitorNode, list[Problem]]:
+    """Return the node of a monitor, and what is wrong with it; its configuration is there."""
     assert monitor.config is not None, "a node needs a configuration"
     topics, problems = publications(monitor, monitor.config)
-    node = MonitorNode(monitor, monitor.config, topics, problems)
-    return MonitorNode(monitor, monitor.config, topics, [*problems, *_check(node)])
+    node = MonitorNode(monitor, monitor.config, topics)
+    return node, [*problems, *_check(node)]
 
 
 def _more(publication: Publication) -> str:

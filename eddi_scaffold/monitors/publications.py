@@ -133,11 +133,6 @@ def _std_msgs(end: field_paths.ResolvedPath) -> str:
     return f"std_msgs/{_OF_STD_MSGS[end.type]}"
 
 
-def read_respelt(message: str, place: Place) -> Problem:
-    """Return the error of a monitor that reads a message of ours by the usual names (G026)."""
-    return problem("G026", place, message=message)
-
-
 _LONG = 100.0  # Seconds of a limit that are more likely meant as milliseconds
 
 

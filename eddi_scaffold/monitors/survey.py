@@ -72,17 +72,12 @@ def mros_of(source: Source) -> Shown | None:
     return Shown(document, tuple(tree), problems)
 
 
-@dataclass(frozen=True)
-class Configured:
-    """The model file to show, and the configurations that are shown with it."""
+def configured(
+    source: Source, more: Sequence[Source]
+) -> tuple[Source, list[ConfigFile], list[Problem]]:
+    """Return the model file to show, the configurations that are shown with it, and warnings.
 
-    source: Source
-    configs: tuple[ConfigFile, ...]
-    problems: tuple[Problem, ...]
-
-
-def configured(source: Source, more: Sequence[Source]) -> Configured:
-    """Read the configurations; one that is shown by itself names its model.
+    A configuration that is shown by itself names its model.
 
     Raises:
         EddiError: a configuration has errors, or names a file that is not there.
@@ -97,8 +92,7 @@ def configured(source: Source, more: Sequence[Source]) -> Configured:
         configs.append(config)
         problems += problems_of_file
     path = named_model_path(configs[0]) if alone else None
-    source = source if path is None else read_source(path)
-    return Configured(source, tuple(configs), tuple(problems))
+    return source if path is None else read_source(path), configs, problems
 
 
 def only(survey: Mapping[str, Any], chosen: Sequence[Model]) -> dict[str, Any]:

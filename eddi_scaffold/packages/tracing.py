@@ -72,19 +72,11 @@ class Trace:
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``trace --json``."""
-        rows = [
-            dict(zip(COLUMNS, self.cells(row), strict=True))
-            | {"links": [link.as_json() for link in row.links]}
-            for row in self.rows
-        ]
-        names = ("package", "kind", "model", "file", "sha256", "model_sha256")
-        return {
-            **{name: getattr(self, name) for name in names},
-            "outputs": list(self.outputs),
-            "facts": list(self.facts),
-            "elements": rows,
-            "links": [link.as_json() for link in self.links],
-        }
+        rows = [dict(zip(COLUMNS, self.cells(row), strict=True)) for row in self.rows]
+        pairs = zip(rows, self.rows, strict=True)
+        elements = [cells | {"links": [of.as_json() for of in row.links]} for cells, row in pairs]
+        own = {name: value for name, value in vars(self).items() if name not in {"rows", "links"}}
+        return {**own, "elements": elements, "links": [link.as_json() for link in self.links]}
 
     def cells(self, row: TraceRow) -> tuple[JsonValue, ...]:
         """Return the values of one row in the order of ``COLUMNS``."""
@@ -92,11 +84,6 @@ class Trace:
         links = "; ".join(link.as_text(self.file) for link in row.links)
         file = None if row.is_configured else self.file
         return (row.element, row.id, file, row.line, row.path, row.code, topics, links)
-
-    def _place(self, row: TraceRow) -> str:
-        if row.is_configured:
-            return "(configuration)"
-        return self.file if row.line is None else f"{self.file}:{row.line}"
 
     def as_text(self) -> str:
         """Return the table for people."""
@@ -108,16 +95,15 @@ class Trace:
             *(f"  {fact}" for fact in self.facts),
             *(f"  linked with {link.as_text(self.file)}" for link in self.links),
         ]
-        shown = [
-            (row.element, row.id, self._place(row), row.path, row.code, *row.topics)
-            for row in self.rows
-        ]
-        widths = [
-            max(map(len, column)) for column in zip(*(line[:5] for line in shown), strict=True)
-        ]
-        for row, line in zip(self.rows, shown, strict=True):
-            cells = [text.ljust(width) for text, width in zip(line[:5], widths, strict=True)]
-            lines.append("  ".join(["", *cells, *line[5:]]).rstrip())
+        table = []
+        for row in self.rows:
+            place = self.file if row.line is None else f"{self.file}:{row.line}"
+            place = "(configuration)" if row.is_configured else place
+            table.append((row.element, row.id, place, row.path, row.code))
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        for row, texts in zip(self.rows, table, strict=True):
+            cells = [text.ljust(width) for text, width in zip(texts, widths, strict=True)]
+            lines.append("  ".join(["", *cells, *row.topics]).rstrip())
             lines += [f"      linked with {link.as_text(self.file)}" for link in row.links]
         return "\n".join(lines)
 

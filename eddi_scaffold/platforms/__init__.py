@@ -140,10 +140,6 @@ class Platform:
         """Return the folder of all packages, relative to the workspace or output folder."""
         return self.workspace.root if self.workspace is not None else ""
 
-    def owns(self, template: str) -> bool:
-        """Tell whether a template is one of this platform's."""
-        return template == self.templates.monitor or template in self.templates.support
-
 
 def names() -> tuple[str, ...]:
     """Return the names of all platforms, sorted, without loading one."""
@@ -160,7 +156,7 @@ def platforms() -> Mapping[str, Platform]:
 def owner_of(template: str) -> Platform:
     """Return the platform that has a template; KeyError where none has."""
     for platform in platforms().values():
-        if platform.owns(template):
+        if template in (platform.templates.monitor, *platform.templates.support):
             return platform
     raise KeyError(template)
 

@@ -78,45 +78,34 @@ def _full(name: str) -> str:
 
 def definitions_of(
     node: MonitorNode, known: MessageFields
-) -> tuple[list[JsonValue], list[Problem]]:
-    """Return the types of a node, each after those that it is made of; report others (K048)."""
+) -> tuple[dict[str, list[JsonValue]], list[Problem]]:
+    """Return the types of a node, each after its parts, and the hashes of those of its topics.
+
+    What is not known is reported (K048), and has no hash.
+    """
     problems: list[Problem] = []
-    types: dict[str, Fields] = {}
+    parts: dict[str, Fields] = {}
+    hashes: list[JsonValue] = []
     places = {
         entry.type: node.config.place("SimulatorOutputs", index, "type")
         for index, entry in enumerate(node.config.config.SimulatorOutputs)
     }
-    for type_ in _types_of_topics(node):
-        for name in with_parts(type_, known):
-            if name in known:
-                types.setdefault(name, known[name])
-                continue
-            place = places.get(type_, Place())
-            if name == type_:
-                problems.append(problem("K048.dds_type", place, type=type_))
-            else:
-                problems.append(problem("K048.part", place, part=name, type=type_))
-    written = [
-        {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}
-        for name, fields in types.items()
-    ]
-    return [*written], problems
-
-
-def hashes_of(node: MonitorNode, known: MessageFields) -> list[JsonValue]:
-    """Return the types of the node's topics with their hashes; the unknown are refused anyway."""
-    known_types = [
-        type_
-        for type_ in sorted(_types_of_topics(node))
-        if known.keys() >= set(with_parts(type_, known))
-    ]
-    return [{"name": type_, "hash": type_hash(type_, known)} for type_ in known_types]
-
-
-def _types_of_topics(node: MonitorNode) -> dict[str, None]:
-    """Return the types of the node's topics, each once."""
     types = [topic.type for topic in node.heard] + [topic.type for topic in node.publications]
-    return dict.fromkeys([*types, *node.between_robots.values()])
+    for type_ in dict.fromkeys([*types, *node.between_robots.values()]):
+        names, place = list(with_parts(type_, known)), places.get(type_, Place())
+        parts |= {name: known[name] for name in names if name in known and name not in parts}
+        unknown = [name for name in names if name not in known]
+        for name in unknown:
+            case = "K048.dds_type" if name == type_ else "K048.part"
+            fields = {"type": type_} if name == type_ else {"part": name, "type": type_}
+            problems.append(problem(case, place, **fields))
+        hashes += [] if unknown else [{"name": type_, "hash": type_hash(type_, known)}]
+    definitions: list[JsonValue] = [
+        {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}
+        for name, fields in parts.items()
+    ]
+    hashes.sort(key=str)
+    return {"definitions": definitions, "hashes": hashes}, problems
 
 
 def with_parts(type_: str, known: MessageFields, above: tuple[str, ...] = ()) -> Iterator[str]:
@@ -136,7 +125,7 @@ _TEMPLATES = Templates("dds_monitor")
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     known = types_of(monitor)
     monitor, errors = bound_to(monitor, known)
-    node = node_of(monitor)
+    node, problems = node_of(monitor)
     definitions, unknown = definitions_of(node, known)
     files = files_of(monitor)
     answers = shared_answers(monitor, _TEMPLATES.monitor, files)
@@ -146,12 +135,11 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["requirements_text"] = ", ".join(["cyclonedds", *needs])
     answers["package_data"] = sorted(monitor.compiled.tables)
     answers |= node.answers(lambda of: f"messages.{of.replace('/', '_')}", has_qos=True)
-    answers["definitions"] = definitions
-    answers["hashes"] = hashes_of(node, known)
+    answers |= definitions
     answers[RUNTIME] = VENDORED
     needed = runtime_parts_of(monitor.compiled.text)
     answers["parts"] = [*needed, PEERS] if answers["fleet"] else [*needed]
-    return PackageAnswers(monitor.package, answers, files), [*node.problems, *errors, *unknown]
+    return PackageAnswers(monitor.package, answers, files), [*problems, *errors, *unknown]
 
 
 def _taken_names(_root: Path | None) -> Mapping[str, str]:

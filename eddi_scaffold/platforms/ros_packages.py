@@ -12,7 +12,7 @@ import rospkg
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.identifiers import taken_by_python
-from eddi_scaffold.common.problems import EddiError, Place, Problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.field_types import (
     MessageFields,
     element,
@@ -27,7 +27,7 @@ from eddi_scaffold.monitors.answers import files_of, identity_answers, shared_an
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
-from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, read_respelt
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication
 from eddi_scaffold.platforms import VENDORED, Choices, PackageAnswers, runtime_of
 from eddi_scaffold.program.runtime_parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
 from eddi_scaffold.regions.package import LINK, entries
@@ -269,7 +269,7 @@ def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, st
             types = (entry.type.partition("/") for entry in config.SimulatorOutputs)
             read_by |= {name: package for of, _, name in types if of == MESSAGE_PACKAGE}
     for name in read_by.keys() & respelt.keys():
-        raise EddiError(read_respelt(name, Place(read_by[name])))
+        raise EddiError(problem("G026", Place(read_by[name]), message=name))
     texts |= respelt
     waiting += read_by
     needed: dict[str, str] = {}
@@ -310,7 +310,7 @@ def monitor_package(
     ROS 2 has a quality of service of topics, and nodes with a life cycle.
     """
     monitor, problems = bound_to(monitor, known)
-    node = node_of(monitor)
+    node, problems_of_node = node_of(monitor)
     classes = classes_of(node)
     files = files_of(monitor, f"{inside}{monitor.package}/", "config/")
     answers = {**shared_answers(monitor, template, files), **choices}
@@ -323,7 +323,7 @@ def monitor_package(
         answers["lifecycle"] = node.config.config.Model.lifecycle
     answers["interfaces"] = interfaces_of(node.publications, node.heard, node.between_robots)
     package = PackageAnswers(monitor.package, answers, files)
-    return package, node, [*problems, *node.problems]
+    return package, node, [*problems, *problems_of_node]
 
 
 def support_packages(
