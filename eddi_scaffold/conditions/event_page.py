@@ -23,9 +23,8 @@ from eddi_scaffold.common import local_server
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.report import as_text
 from eddi_scaffold.conditions.scope import BOOL, Variable
-from eddi_scaffold.conditions.standalone import Target, columns, generate, play
+from eddi_scaffold.conditions.standalone import Target, as_text, columns, generate, play
 from eddi_scaffold.conditions.syntax import number_text
 from eddi_scaffold.diagrams.plot import plot, tracks_of
 
