@@ -21,7 +21,7 @@ from eddi_scaffold.common.problems import (
     most_similar,
     problem,
 )
-from eddi_scaffold.config.schema import Config
+from eddi_scaffold.config.schema import Config, Section
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, value_11
 from eddi_scaffold.yaml_text.spans import inside_scalar
 
@@ -201,9 +201,13 @@ class ConfigFile(Placed):
 
     def inside(self, *path: str | int) -> Callable[[int], Place]:
         """Return offset in the text of a value -> its place in the file."""
+        value: Any = self.config
+        for part in path:
+            value = getattr(value, str(part)) if isinstance(value, Section) else value[part]
         place = self.place(*path)
         # what a deployment file overrides is not in this text
-        return inside_scalar(self.text if place.file == self.name else "", place)
+        text = self.text if place.file == self.name and isinstance(value, str) else ""
+        return inside_scalar(text, place, value)
 
 
 def from_json(text: str, name: str) -> ConfigFile:

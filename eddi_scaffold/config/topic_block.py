@@ -14,14 +14,14 @@ from dataclasses import dataclass, field
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
 from eddi_scaffold.mros.topics import TopicEntry
-from eddi_scaffold.yaml_text.nodes import Map, items_of, quoted, read_document, scalars_of
+from eddi_scaffold.yaml_text.nodes import NOT_YAML, Map, items_of, quoted, read_document, scalars_of
 from eddi_scaffold.yaml_text.spans import Span, TextEditor, comment_texts, comments, spans
 
 KEPT_ENTRIES = ("M026.stays", "M026.needed")
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
 _WORDS = re.compile(r"\w+")
-_NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
+_NOTHING = re.compile(r"(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
 
 
 @dataclass(frozen=True)
@@ -83,16 +83,15 @@ def read_block(source: Source) -> ConfigText:
         EddiError: the file is not a YAML mapping, is written in one pair of braces, has the block
             under both of its names, or uses an anchor of it elsewhere (K001).
     """
-    if _NOTHING.fullmatch(source.data):
-        text = source.data.decode("utf-8-sig", "replace")
+    text = source.data.decode("utf-8-sig", "replace")
+    if _NOTHING.fullmatch(text) and not NOT_YAML.search(text):
         return ConfigText(source.name, text, start=len(text), end=len(text))
     node, problems = read_document(source, "K001")
     if node is None or problems:
         raise EddiError(*problems)
-    text = source.data.decode("utf-8-sig")
     if not isinstance(node, Map):
         raise EddiError(problem("K001.map", node.place))
-    root = spans(text, source.name)
+    root = spans(text)
     if root is None or root.is_flow:
         raise EddiError(problem("K001.braces", node.place))
     block = [(key, value) for key, value in root.entries() if key.text in _NAMES]

@@ -50,7 +50,7 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
     if text and not text.endswith("\n"):
         text += TextEditor(text).newline
     editor = _Editor(text)
-    root = spans(text, document.name)
+    root = spans(text)
     sections = {}
     if root is not None and root.children:
         sections = {key.text: (key, value) for key, value in reversed([*root.entries()])}

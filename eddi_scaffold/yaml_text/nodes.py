@@ -9,7 +9,6 @@ bombs, recursive aliases and deep nesting are a message like any other mistake.
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.yaml_text.spans import yaml_lines
+from eddi_scaffold.yaml_text.spans import LINE_END, LOADER
 from eddi_scaffold.yaml_text.writer import Verbatim, dump_plain, quoted
 
 if TYPE_CHECKING:
@@ -31,10 +30,10 @@ MAX_BYTES = 16 * 1024 * 1024
 MAX_VISITS = 1_000_000
 MAX_DEPTH = 32
 MAX_DIGITS = 64
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
 _CORE_TAGS = frozenset({"!", *(f"tag:yaml.org,2002:{name}" for name in _CORE_TYPES)})
 _BOOLEANS = {word: word[0] in "tT" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
+NOT_YAML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _DECIMAL = re.compile(r"[-+]?(?!0[0-9])(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _NULLS = frozenset({"", "~", "null", "Null", "NULL"})
@@ -307,13 +306,11 @@ class _Composer:
 
     def _events(self) -> Iterator[Any]:
         try:
-            yield from yaml.parse(self.text, Loader=_LOADER)
+            yield from yaml.parse(self.text, Loader=LOADER)
         except yaml.MarkedYAMLError as failure:
             raise self._not_yaml(failure) from None
         except yaml.reader.ReaderError:
-            bad = re.search(
-                "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", self.text
-            )
+            bad = NOT_YAML.search(self.text)
             lines = (self.text[: bad.start()] if bad else "").split("\n")
             shown = f" U+{ord(bad.group()):04X}" if bad else ""
             message = f"this is not YAML: the character{shown} is not allowed"
@@ -325,7 +322,7 @@ class _Composer:
         place = Place(self.name) if mark is None else self._place(mark)
         if "maximum nesting depth" in what:  # the parser's own, 1000
             return _Stop(_TOO_DEEP, place)
-        lines = list(itertools.islice(yaml_lines(self.text), mark.line + 1)) if mark else [""]
+        lines = LINE_END.split(self.text)[: mark.line + 1] if mark else [""]
         for number, line in enumerate(lines, 1):
             if line.startswith("<<<<<<< "):
                 message = "a merge conflict that nobody has resolved begins here"
