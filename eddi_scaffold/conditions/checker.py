@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from eddi_scaffold.common.problems import SimilarNames
 from eddi_scaffold.common.units import converted, dimension, factor, root, word
@@ -180,25 +179,13 @@ class Checker:
                 self._findings.refuse("E007.text", operand.start, operand=operand.text)
             return
         wrong = [
-            (self._file.nodes[k], arg.type, type_)
+            (self._file.nodes[k].start, arg.type, type_)
             for k, arg, type_ in zip(node.args, args, arguments_of(node.op), strict=False)
             if arg is not None and arg.type != type_
         ]
-        if node.op in _ORDER and len(wrong) == 2:
-            shown = " and ".join(sorted(set(map(str, types))))
-            self._findings.refuse("E007.order", node.at, shown=shown, operators=OPERATORS[node.op])
-        for operand, actual, expected in wrong:
-            name, start = operand.text if operand.op == "name" else "", operand.start
-            fields: dict[str, Any] = {
-                "shown": word_of(node.op),
-                "expected": expected,
-                "type": actual,
-            }
-            if name in self._scope.variables and not self._scope.variables[name].declared:
-                hint = _VAR_ADVICE.format(name)
-                self._findings.add("E008.elsewhere", start, hint=hint, operand=name, **fields)
-            else:
-                self._findings.add("E007.operand", start, **fields)
+        for start, actual, expected in wrong:
+            shown = word_of(node.op)
+            self._findings.add("E007.operand", start, shown=shown, expected=expected, type=actual)
         if wrong:
             raise Refused
 

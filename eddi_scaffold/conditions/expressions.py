@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from eddi_scaffold.common.problems import did_you_mean, plural
 from eddi_scaffold.conditions.syntax import (
@@ -15,7 +15,7 @@ from eddi_scaffold.conditions.syntax import (
     SyntaxNode,
     is_list_path,
 )
-from eddi_scaffold.conditions.tokens import DURATIONS, RESERVED, Cursor, TextFindings, Token
+from eddi_scaffold.conditions.tokens import RESERVED, Cursor, TextFindings, Token
 
 MAX_DEPTH = 100
 MAX_NODES = 10_000
@@ -29,18 +29,7 @@ _SYMBOLS = {
     "*": (8, "mul"),
     "/": (8, "div"),
 }
-_PAST = {
-    **dict.fromkeys(("EVENTUALLY", "FINALLY", "F"), "write ONCE(x > 1, 5s)"),
-    **dict.fromkeys(("ALWAYS", "GLOBALLY", "HISTORICALLY", "G", "H"), "write TIME(x > 1, 5s)"),
-    **dict.fromkeys(("UNTIL", "SINCE", "U", "S"), "write LATCH(begin, end)"),
-}
-"""Word of signal temporal logic -> what looks back in its place."""
 _LIST_OPTIONS = ("COVERAGE", "SECTOR", "LENGTH", "WITHIN")
-
-
-def temporal_hint(word: Token) -> str | None:
-    """Return what to write in place of a word of signal temporal logic."""
-    return _PAST.get(word.keyword)
 
 
 class ExpressionParser(Cursor):
@@ -117,10 +106,8 @@ class ExpressionParser(Cursor):
         self._index += 1
         if self._took("("):
             return self._call(token)
-        if self._is_symbol("[") and self._peek(2).text in (":", ",") and token.keyword in _PAST:
-            hint = _PAST[token.keyword]
-            self._fail("E006.unknown_function", token.start, hint=hint, shown=token.shown)
-        return self._add("name", token, text=self._path_rest(token.text))
+        name = self._path_rest(token.text)
+        return self._add("name", token, text=name, is_list=is_list_path(name))
 
     def _call(self, function: Token) -> int:
         word = function.keyword
@@ -131,8 +118,7 @@ class ExpressionParser(Cursor):
             return self._window(function, argument)
         if word not in FUNCTIONS and word not in MORE:
             names = dict.fromkeys((*WINDOWS, *REDUCTIONS, *FUNCTIONS, *MORE))
-            hint = _PAST.get(word) or did_you_mean(function.text, names)
-            hint = hint or f"functions: {', '.join(names)}"
+            hint = did_you_mean(function.text, names) or f"functions: {', '.join(names)}"
             self._fail("E006.unknown_function", function.start, hint=hint, shown=function.shown)
         args = [] if self._is_symbol(")") else [self._expression()]
         while self._took(","):
@@ -165,21 +151,18 @@ class ExpressionParser(Cursor):
         length, coverage = self._duration(), None
         if self._took(","):
             if self._token.keyword != "COVERAGE":
-                self._fail("E006.one_argument", function.start, word=word)
-            coverage = self._coverage(function, takes_it=word not in ("TIME", "ONCE"))
+                self._missing("COVERAGE")
+            if word in ("TIME", "ONCE"):
+                self._fail("E005.not_here", word=word)
+            coverage = self._coverage()
         self._expect(")")
-        node = self._add(WINDOWS[word], function, (argument,))
-        self._nodes[node] = replace(
-            self._nodes[node], window=length, window_at=at, coverage=coverage
-        )
-        return node
+        more = {"window": length, "window_at": at, "coverage": coverage}
+        return self._add(WINDOWS[word], function, (argument,), **more)
 
-    def _coverage(self, function: Token, *, takes_it: bool = True) -> float:
+    def _coverage(self) -> float:
         word = self._take()
         number, share = self._token, self._number()
-        if not takes_it:
-            self._findings.add("E005.not_here", word.start, word=function.keyword)
-        elif not 0 < share <= 1:
+        if not 0 < share <= 1:
             hint = f"{word.keyword} {share / 100:g}" if 10 <= share <= 100 else None  # percent
             self._findings.add("E005.range", number.start, hint=hint)
         return share
@@ -190,20 +173,16 @@ class ExpressionParser(Cursor):
         if word not in REDUCTIONS:
             known = ", ".join(REDUCTIONS)
             self._fail("E006.no_list", function.start, word=word, reductions=known)
-        options, args, seen = ReductionOptions(), [argument], set[str]()
+        options, args, remaining = ReductionOptions(), [argument], [*_LIST_OPTIONS]
         while self._took(","):
-            option = self._token.keyword
-            if self._token.kind == "number" and self._peek().text in DURATIONS:
-                self._fail("E006.list_duration", word=word)
-            if option not in _LIST_OPTIONS:
-                self._missing(" or ".join(_LIST_OPTIONS))
-            if option in seen:
-                self._fail("E006.repeated", word=option)
-            seen.add(option)
+            option, at = self._token.keyword, self._token.start
+            if option not in remaining:
+                self._missing(" or ".join(remaining) or "')'")
+            remaining.remove(option)
             if option == "COVERAGE":
-                options = replace(options, coverage=self._coverage(function))
+                options = replace(options, coverage=self._coverage())
                 continue
-            at = self._take().start
+            self._index += 1
             if option == "SECTOR":
                 low = self._signed()
                 self._expect("..", "'..' as in SECTOR -30 deg .. 30 deg")
@@ -216,9 +195,8 @@ class ExpressionParser(Cursor):
                 args.append(self._expression())
                 options = replace(options, within=True)
         self._expect(")", "',' or ')'")
-        node = self._add(REDUCTIONS[word], function, tuple(args))
-        self._nodes[node] = replace(self._nodes[node], options=options, is_list=False)
-        return node
+        more = {"options": options, "is_list": False}
+        return self._add(REDUCTIONS[word], function, tuple(args), **more)
 
     def _lengths(self) -> tuple[int, int]:
         ends: list[int] = []
@@ -230,21 +208,12 @@ class ExpressionParser(Cursor):
             self._fail("E006.length")
         return ends[0], ends[-1]
 
-    def _add(
-        self,
-        op: str,
-        token: Token,
-        args: tuple[int, ...] = (),
-        *,
-        start: int | None = None,
-        text: str = "",
-        unit: str | None = None,
-    ) -> int:
+    def _add(self, op: str, token: Token, args: tuple[int, ...] = (), **fields: Any) -> int:
         if len(self._nodes) >= MAX_NODES:
             self._end_at_limit("E013.operations", token.start, MAX_NODES)
-        is_list = is_list_path(text) if op == "name" else any(self._nodes[k].is_list for k in args)
-        start = token.start if start is None else start
-        self._nodes.append(SyntaxNode(op, args, start, token.start, text, unit, is_list=is_list))
+        is_list = any(self._nodes[k].is_list for k in args)
+        fields = {"start": token.start, "is_list": is_list, **fields}
+        self._nodes.append(SyntaxNode(op, args, at=token.start, **fields))
         return len(self._nodes) - 1
 
     def _end_at_limit(self, case: str, at: int, limit: int) -> NoReturn:

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from eddi_scaffold.common.problems import did_you_mean
-from eddi_scaffold.conditions.expressions import ExpressionParser, temporal_hint
+from eddi_scaffold.conditions.expressions import ExpressionParser
 from eddi_scaffold.conditions.syntax import (
     ConstDeclaration,
     EnumDeclaration,
@@ -17,7 +17,6 @@ from eddi_scaffold.conditions.syntax import (
 )
 from eddi_scaffold.conditions.tokens import (
     DECLARATIONS,
-    RESERVED,
     Refused,
     TextFindings,
     Token,
@@ -25,14 +24,7 @@ from eddi_scaffold.conditions.tokens import (
 )
 
 MAX_TEXT = 64 * 1024
-_OPTIONS = {
-    "UNIT": "a unit",
-    "RATE": "a rate such as 10 Hz",
-    "TIMEOUT": "a duration such as 500ms",
-    "RANGE": "a range such as 0 .. 5",
-    "ALLOW": "INF",
-}
-"""Option of a VAR -> what comes behind it."""
+_OPTIONS = ("UNIT", "RATE", "TIMEOUT", "RANGE", "ALLOW")
 ANONYMOUS = "event"  # name of the event that a bare expression is
 
 
@@ -95,11 +87,10 @@ class _Parser(ExpressionParser):
         if is_end or self._declaration() or self._is_behind_declaration:
             return
         hint, before = self._comparison_hint(), self._tokens[self._index - 1]
-        if self._index == first + 1 and before.kind == self._token.kind == "word":
-            keyword = did_you_mean(before.keyword, keywords)
+        if self._index == first + 1 and before.kind == "word":
+            keyword = did_you_mean(before.keyword, [*keywords, *_OPTIONS])
             if keyword is not None:
                 hint, self._declared = keyword, before.text  # it is no variable that is missing
-        hint = temporal_hint(self._token) or temporal_hint(before) or hint
         self._fail("E001.rest", hint=hint, shown=self._token.shown)
 
     def _enum(self) -> EnumDeclaration:
@@ -123,7 +114,6 @@ class _Parser(ExpressionParser):
         while variable is not None:
             declared = variable
             variable = self._option(declared)
-        self._refuse_option()
         self._is_behind_declaration = True
         return declared
 
@@ -154,18 +144,6 @@ class _Parser(ExpressionParser):
             self._fail("E001.rate", value.start)
         self._index += 1
         return replace(variable, rate=rate)
-
-    def _refuse_option(self) -> None:
-        """Refuse a word that can only be meant as an option: no expression goes on like that."""
-        word, value = self._token, self._peek()
-        goes_on = value.kind == "number" or (value.kind == "word" and value.keyword not in RESERVED)
-        expected = _OPTIONS.get(word.keyword)
-        if expected is not None and (goes_on or value.keyword in DECLARATIONS):
-            expected = f"{expected} behind {word.keyword}"
-            self._fail("E001.word", value.start, expected=expected, shown=value.shown)
-        hint = did_you_mean(word.keyword, _OPTIONS) if word.kind == "word" and goes_on else None
-        if hint is not None and word.keyword not in RESERVED:
-            self._fail("E001.variable_option", hint=hint, shown=word.shown)
 
     def _constant(self) -> ConstDeclaration:
         self._index += 1
