@@ -18,7 +18,7 @@ from eddi_scaffold.common.problems import Place
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
-_COMMENT = re.compile(r"(?:^|(?<=\s))#")
+_COMMENT = re.compile(r"(?:^|(?<=\s))#(?=([^\n]*))")
 
 
 @dataclass
@@ -83,28 +83,13 @@ def spans(text: str) -> Span | None:
     return None
 
 
-def comments(text: str, span: Span, start: int, end: int) -> list[int]:
-    """Return the lines between two offsets that hold a comment (counted from 1)."""
-    lines = (text.count("\n", 0, at) + 1 for at in _comment_starts(text, span, start, end))
-    return list(dict.fromkeys(lines))
-
-
-def comment_texts(text: str, span: Span, start: int, end: int) -> list[str]:
-    """Return the comments between two offsets, each to the end of its line."""
-    texts: list[str] = []
-    done = start
-    for at in _comment_starts(text, span, start, end):
-        if at >= done:  # not a "#" inside of a comment
-            texts.append(text[at:].partition("\n")[0].rstrip())
-            done = at + len(texts[-1])
-    return texts
-
-
-def _comment_starts(text: str, span: Span, start: int, end: int) -> Iterator[int]:
-    inside = sorted(span.scalars)
+def comments(text: str, span: Span, start: int, end: int) -> dict[int, str]:
+    """Return the comments between two offsets by their lines (counted from 1)."""
+    comments: dict[int, str] = {}
     for match in _COMMENT.finditer(text, start, end):
-        if not any(first <= match.start() < last for first, last in inside):
-            yield match.start()
+        if not any(first <= match.start() < last for first, last in span.scalars):
+            comments.setdefault(text.count("\n", 0, match.start()) + 1, f"#{match[1]}".rstrip())
+    return comments
 
 
 class TextEditor:
