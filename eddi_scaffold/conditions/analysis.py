@@ -123,7 +123,7 @@ def analyse(
     problems = in_order(findings.problems)
     if locate is None:
         problems = with_excerpts(problems, text)
-    used = tuple(scope.variables.get(n) or scope.reductions[n] for n in checker.used)
+    used = tuple(scope.variables.get(n) or scope.reductions[n] for n in builder.used)
     program = None
     if not has_errors(problems):
         program = builder.program([_read(variable, scope) for variable in used], results)

@@ -90,6 +90,7 @@ OF_DECLARATIONS = r"""
 1:13 E008.two_meanings | ENUM E { A, A } VAR v : E TIMEOUT 1s
 1:3 E001.index_or_key | x[1.5] > 2
 1:11 E007.operand | x > 1 AND x
+1:37 E007.order | ENUM E { A } VAR v : E TIMEOUT 1s v < A
 """
 OF_USED_NAMES = r"""
 1:25 E008.unknown_variable | VAR v : BOOL TIMEOUT 1s rate > 3
