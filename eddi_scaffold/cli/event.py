@@ -60,9 +60,8 @@ def event(
         port: Port of the page.
     """
     from eddi_scaffold.conditions import analyse
-    from eddi_scaffold.conditions.report import as_json as report_json
-    from eddi_scaffold.conditions.report import as_text
-    from eddi_scaffold.conditions.standalone import generate, without_limits
+    from eddi_scaffold.conditions.standalone import as_json as report_json
+    from eddi_scaffold.conditions.standalone import as_text, generate, without_limits
     from eddi_scaffold.conditions.tokens import EXPRESSION
     from eddi_scaffold.program.standalone import check_module_name, module_name
 

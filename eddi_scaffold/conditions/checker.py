@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from eddi_scaffold.common.problems import SimilarNames
 from eddi_scaffold.common.units import converted, dimension, factor, root, word
@@ -37,32 +36,20 @@ class Value:
     node: int  # its number in the graph
 
 
+@dataclass
 class Checker:
-    """Checks the expressions of one text and adds them to a graph.
+    """Checks the expressions of one text and adds them to a graph."""
 
-    Attributes:
-        used: variables in the order of their first use; their numbers in the graph.
-    """
+    file: File
+    scope: Scope
+    findings: TextFindings
+    graph: GraphBuilder
+    locate: Callable[[int], At]
+    any_rate: bool = False
 
-    def __init__(
-        self,
-        file: File,
-        scope: Scope,
-        findings: TextFindings,
-        builder: GraphBuilder,
-        locate: Callable[[int], At],
-        *,
-        any_rate: bool = False,
-    ) -> None:
-        self.used: dict[str, int] = {}
-        self._elements = elements_of(file)
+    def __post_init__(self) -> None:
+        self._elements = elements_of(self.file)
         self._inside: Elements | None = None
-        self._outer = builder
-        self._file = file
-        self._scope = scope
-        self._findings = findings
-        self._locate = locate
-        self._any_rate = any_rate
         self._events: dict[str, Value | None] = {}
         self._reported: set[str] = set()
         self._similar: SimilarNames | None = None
@@ -71,7 +58,7 @@ class Checker:
         """Check one expression; return ``None`` when something is wrong with it."""
         values: dict[int, Value | None] = {}
         for k in range(event.first, event.root + 1):
-            node = self._file.nodes[k]
+            node = self.file.nodes[k]
             self._inside = self._elements.get(k)
             args = [values.pop(arg) for arg in node.args]
             try:
@@ -81,8 +68,8 @@ class Checker:
         value = values[event.root]
         expected = (BOOL, NUMBER) if event.anonymous else (BOOL,)
         if value is not None and value.type not in expected:
-            start = self._file.nodes[event.root].start
-            self._findings.add("E007.event", start, type=value.type)
+            start = self.file.nodes[event.root].start
+            self.findings.add("E007.event", start, type=value.type)
             value = None
         self._events[event.name] = value
         return value
@@ -90,13 +77,13 @@ class Checker:
     @property
     def _builder(self) -> GraphBuilder:
         """The graph of the text, or that of the elements of a list."""
-        return self._outer if self._inside is None else self._inside.builder
+        return self.graph if self._inside is None else self._inside
 
     def _value(self, k: int, node: SyntaxNode, args: list[Value | None]) -> Value | None:
-        at = self._locate(node.at)
-        objection = "" if self._inside is None else self._inside.objection(node, self._scope)
+        at = self.locate(node.at)
+        objection = "" if self._inside is None else self._inside.objection(node, self.scope)
         if objection:
-            self._findings.refuse("E007.objection", node.start, reason=objection)
+            self.findings.refuse("E007.objection", node.start, reason=objection)
         if node.op == "number":
             return Value(NUMBER, node.unit, self._builder.leaf("number", float(node.text), at))
         if node.op == "truth":
@@ -118,29 +105,25 @@ class Checker:
         """Return the value of a list; it is a variable that a message gives."""
         elements = self._elements[node.args[0]]
         self._inside = elements
-        element = Value(NUMBER, elements.unit(self._scope), args[0].node)
+        element = Value(NUMBER, elements.unit(self.scope), args[0].node)
         limits = [
             self._in_one_unit(node, element, limit, operands=(0, n))[1].node
             for n, limit in enumerate(args[1:], start=1)
         ]
         self._inside = None
         nodes = [args[0].node, *limits]
-        variable = reduced(self._file, k, elements, nodes, self._scope, self._findings)
+        variable = reduced(self.file, k, elements, nodes, self.scope, self.findings)
         type_ = result_of(node.op)
         unit = args[0].unit if type_ == NUMBER and node.op != "list_count" else None
-        self._scope.reductions.setdefault(variable.name, replace(variable, unit=unit))
-        return Value(type_, unit, self._read(variable.name, self.used, self._outer, at))
-
-    @staticmethod
-    def _read(name: str, used: dict[str, int], builder: GraphBuilder, at: At) -> int:
-        return builder.leaf("variable", used.setdefault(name, len(used)), at)
+        self.scope.reductions.setdefault(variable.name, replace(variable, unit=unit))
+        return Value(type_, unit, self.graph.variable(variable.name, at))
 
     # names
 
     def _name(self, node: SyntaxNode, at: At) -> Value | None:
-        name, scope = node.text, self._scope
+        name, scope = node.text, self.scope
         if self._inside is None and node.is_list:
-            self._findings.refuse("E007.list", node.start, list=name)
+            self.findings.refuse("E007.list", node.start, list=name)
         if name in scope.literals:
             enum, number = scope.literals[name]
             return Value(Type("enum", enum), None, self._builder.leaf("literal", number, at))
@@ -150,21 +133,19 @@ class Checker:
         if name in scope.variables:
             variable = scope.variables[name]
             if variable.type is not None:
-                used = self.used if self._inside is None else self._inside.used
-                read = self._read(name, used, self._builder, at)
-                return Value(variable.type, variable.unit, read)
+                return Value(variable.type, variable.unit, self._builder.variable(name, at))
             if not variable.declared and name not in self._reported:
                 self._reported.add(name)
                 advice = variable.advice or _VAR_ADVICE.format(name)
-                self._findings.add("E008.list_type", node.start, hint=advice, node=name)
+                self.findings.add("E008.list_type", node.start, hint=advice, node=name)
         elif scope.knows(name):
             return self._events.get(name)
         # without declarations, only a text with another error has names that are not inferred
-        elif scope.closed and name not in self._reported and name not in self._file.broken:
+        elif scope.closed and name not in self._reported and name not in self.file.broken:
             self._reported.add(name)
             self._similar = self._similar or SimilarNames(scope.names, "there are")
             hint = self._similar.hint(name)
-            self._findings.add("E008.unknown_variable", node.start, hint=hint, name=name)
+            self.findings.add("E008.unknown_variable", node.start, hint=hint, name=name)
         return None
 
     # types
@@ -174,31 +155,22 @@ class Checker:
         types = [arg.type for arg in args if arg is not None]
         if node.op in ("known", "age", "eq", "ne"):
             if len(set(types)) > 1:
-                self._findings.refuse("E007.comparison", node.at, left=types[0], right=types[1])
+                self.findings.refuse("E007.comparison", node.at, left=types[0], right=types[1])
             if TEXT in types and None not in args:
-                operand = self._file.nodes[node.args[0]]
-                self._findings.refuse("E007.text", operand.start, operand=operand.text)
+                operand = self.file.nodes[node.args[0]]
+                self.findings.refuse("E007.text", operand.start, operand=operand.text)
             return
         wrong = [
-            (self._file.nodes[k], arg.type, type_)
+            (self.file.nodes[k].start, arg.type, type_)
             for k, arg, type_ in zip(node.args, args, arguments_of(node.op), strict=False)
             if arg is not None and arg.type != type_
         ]
         if node.op in _ORDER and len(wrong) == 2:
             shown = " and ".join(sorted(set(map(str, types))))
-            self._findings.refuse("E007.order", node.at, shown=shown, operators=OPERATORS[node.op])
-        for operand, actual, expected in wrong:
-            name, start = operand.text if operand.op == "name" else "", operand.start
-            fields: dict[str, Any] = {
-                "shown": word_of(node.op),
-                "expected": expected,
-                "type": actual,
-            }
-            if name in self._scope.variables and not self._scope.variables[name].declared:
-                hint = _VAR_ADVICE.format(name)
-                self._findings.add("E008.elsewhere", start, hint=hint, operand=name, **fields)
-            else:
-                self._findings.add("E007.operand", start, **fields)
+            self.findings.refuse("E007.order", node.at, shown=shown, operators=OPERATORS[node.op])
+        for start, actual, expected in wrong:
+            shown = word_of(node.op)
+            self.findings.add("E007.operand", start, shown=shown, expected=expected, type=actual)
         if wrong:
             raise Refused
 
@@ -206,15 +178,15 @@ class Checker:
 
     def _operation(self, node: SyntaxNode, args: list[Value], at: At) -> Value:
         op, unit, builder = node.op, None, self._builder
-        operand = self._file.nodes[node.args[0]]
+        operand = self.file.nodes[node.args[0]]
         if op == "number_of":
             if operand.op == "name":
                 return Value(NUMBER, None, args[0].node)
-            self._findings.refuse("E007.number", operand.start)
+            self.findings.refuse("E007.number", operand.start)
         if op == "age":
-            if operand.op == "name" and operand.text in self._scope.variables:
-                return Value(NUMBER, "s", builder.leaf("age", self.used[operand.text], at))
-            self._findings.refuse("E007.age", operand.start)
+            if operand.op == "name" and operand.text in self.scope.variables:
+                return Value(NUMBER, "s", builder.leaf("age", self.graph.used[operand.text], at))
+            self.findings.refuse("E007.age", operand.start)
         if op in ("hysteresis", "clamp"):
             return self._bounded(node, args, at)
         if op in _SAME_UNIT and args[0].type == NUMBER:
@@ -251,7 +223,7 @@ class Checker:
         if len(truths) != 1:
             return
         unit = args[0].unit or args[1].unit
-        self._findings.add(
+        self.findings.add(
             "W004.decided",
             node.at,
             value=str(*truths).upper(),
@@ -266,11 +238,11 @@ class Checker:
         if self._builder.is_constant(arg.node):
             value = self._builder.operations[arg.node].value
             return None if value is None else (value, value)
-        node, is_negative = self._file.nodes[k], False
+        node, is_negative = self.file.nodes[k], False
         while node.op in (*_IN_RANGE, "neg"):
             is_negative ^= node.op == "neg"
-            node = self._file.nodes[node.args[0]]
-        variable = self._scope.variables.get(node.text) if node.op == "name" else None
+            node = self.file.nodes[node.args[0]]
+        variable = self.scope.variables.get(node.text) if node.op == "name" else None
         if variable is None or variable.infinite or variable.range is None:
             return None
         low, high = variable.range
@@ -286,7 +258,7 @@ class Checker:
         operations = [builder.operations[end.node] for end in (low, high)]
         values = [row.value for row in operations if row.op == "number"]
         if len(values) == 2 and None not in values and values[0] >= values[1]:
-            self._findings.refuse("E006.bounds", node.at, word=node.op.upper())
+            self.findings.refuse("E006.bounds", node.at, word=node.op.upper())
         if node.op == "clamp":
             least = builder.operation("greatest", (x.node, low.node), at)
             clamped = builder.operation("least", (least, high.node), at)
@@ -297,13 +269,13 @@ class Checker:
     def _window(self, node: SyntaxNode, arg: Value, at: At) -> Value:
         period, place = self._builder.period, node.window_at
         if not period:
-            self._findings.refuse("E005.no_rate", place, word=node.op.upper())
+            self.findings.refuse("E005.no_rate", place, word=node.op.upper())
         if node.window < period:
-            self._findings.refuse("E005.short_window", place, period=period / 1e9)
-        is_bounded = node.op not in BUFFERED or self._any_rate
+            self.findings.refuse("E005.short_window", place, period=period / 1e9)
+        is_bounded = node.op not in BUFFERED or self.any_rate
         if not is_bounded and capacity(node.window, period) > MAX_CAPACITY:
             samples, limit = -(-node.window // period), MAX_CAPACITY // 2 - 8
-            self._findings.refuse("E013.window", place, samples=samples, limit=limit)
+            self.findings.refuse("E013.window", place, samples=samples, limit=limit)
         unit = arg.unit if node.op in _KEEPS_UNIT else None
         window = self._builder.window(node.op, arg.node, node.window, node.coverage, at)
         return Value(result_of(node.op), unit, window)
@@ -314,7 +286,7 @@ class Checker:
         self, node: SyntaxNode, left: Value, right: Value, operands: Sequence[int] = (0, 1)
     ) -> tuple[Value, Value]:
         """Bring two numbers to one unit; refuse where that cannot be."""
-        starts = [self._file.nodes[node.args[k]].start for k in operands]
+        starts = [self.file.nodes[node.args[k]].start for k in operands]
         constant = [self._builder.is_constant(value.node) for value in (left, right)]
         if left.unit == right.unit:
             return left, right
@@ -328,15 +300,15 @@ class Checker:
             hint = f"declare the unit: VAR name : NUMBER UNIT {word(unit)}"
             if self._builder.operations[plain.node].op != "variable":
                 hint = "what *, / and RATE give has no unit: write the number without one"
-            self._findings.refuse("E009.one_side", starts[other], hint=hint, unit=unit)
+            self.findings.refuse("E009.one_side", starts[other], hint=hint, unit=unit)
         if dimension(left.unit) != dimension(right.unit):
             shown = " and ".join(f"{unit} ({dimension(unit)})" for unit in (left.unit, right.unit))
             at = starts[0 if constant[0] and not constant[1] else 1]
-            self._findings.refuse("E009.apart", at, shown=shown)
+            self.findings.refuse("E009.apart", at, shown=shown)
         if not any(constant):
             units = {"unit": left.unit, "right_unit": right.unit}
             times = converted(1.0, right.unit, left.unit)
-            self._findings.refuse("E009.scale", starts[1], **units, times=times)
+            self.findings.refuse("E009.scale", starts[1], **units, times=times)
         if constant[1]:
             return left, self._converted(right, left.unit, starts[1])
         return self._converted(left, right.unit, starts[0]), right
@@ -346,5 +318,5 @@ class Checker:
         row = self._builder.operations[value.node]
         number = None if row.value is None else converted(row.value, value.unit or "", unit)
         if number is not None and not math.isfinite(number):
-            self._findings.refuse("E013.number_in_unit", start, unit=unit)
+            self.findings.refuse("E013.number_in_unit", start, unit=unit)
         return Value(NUMBER, unit, self._builder.leaf("number", number, row.at))

@@ -11,11 +11,12 @@ import io
 import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from html import escape
 from http import HTTPStatus
 from importlib.resources import files
 from string import Template
+from types import MappingProxyType
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -23,9 +24,8 @@ from eddi_scaffold.common import local_server
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.report import as_text
 from eddi_scaffold.conditions.scope import BOOL, Variable
-from eddi_scaffold.conditions.standalone import Target, columns, generate, play
+from eddi_scaffold.conditions.standalone import Target, as_text, columns, generate, play
 from eddi_scaffold.conditions.syntax import number_text
 from eddi_scaffold.diagrams.plot import plot, tracks_of
 
@@ -51,7 +51,6 @@ class Page:
     name: str = "event"  # of the monitor
     signal: str = ""  # recorded values as CSV
     result: str = ""  # HTML
-    files: Mapping[str, str] = field(default_factory=dict)  # what was generated
     error_at: int | None = None  # offset of the first error in the text, `None` for none
 
 
@@ -99,51 +98,53 @@ class _Handler(Handler):
             pairs = parse_qs(body.decode("utf-8"), keep_blank_values=True, max_num_fields=20)
         except ValueError:
             raise Refused(HTTPStatus.BAD_REQUEST, "this is not a form") from None
-        form = {name: values[-1] for name, values in pairs.items()}
-        example = bool(form.get("example"))
-        page = _answer(_typed(form), self.read_signal, code=code, example=example)
-        if form.get("download") and page.files:
-            name, data = _download(page.files)
+        form = {name: values[-1].replace("\r\n", "\n") for name, values in pairs.items()}
+        target: Target = "c" if form.get("target") == "c" else "python"
+        typed = Page(
+            form.get("text", ""),
+            form.get("rate", "").strip(),
+            target,
+            form.get("name") or "event",
+            form.get("signal", ""),
+        )
+        page, texts = self.answer(typed, code=code, example=bool(form.get("example")))
+        if form.get("download") and texts:
+            name, data = _download(texts)
             disposition = {"Content-Disposition": f'attachment; filename="{name}"'}
             self.send(HTTPStatus.OK, "application/octet-stream", data, disposition)
         else:
             self.send(HTTPStatus.OK, HTML, _render(page))
 
+    def answer(self, page: Page, *, code: bool, example: bool) -> tuple[Page, Mapping[str, str]]:
+        """Return the page with the result of what was typed, and the files that were generated."""
+        try:
+            analysis = analyse(page.text, rate=_rate(page.rate))
+        except EddiError as failure:
+            return replace(page, result=_result(failure.problems)), {}
+        problems, picture, texts = list(analysis.problems), "", dict[str, str]()
+        if analysis.program is None:
+            errors = (entry.place for entry in problems if entry.level == "error")
+            line, col = next(((at.line, at.col) for at in errors), (None, None))
+            if line is not None and col is not None:
+                above = page.text.split("\n")[: line - 1]
+                page = replace(page, error_at=len("\n".join([*above, ""])) + col - 1)
+        else:
+            if example:
+                page = replace(page, signal=_example_signal(analysis, float(page.rate or 1)))
+            if page.signal.strip():
+                rows, more = self.read_signal(page.signal, columns(analysis))
+                problems += more
+                picture = _plot(analysis, rows) if rows else ""
+            if code:
+                texts = generate(analysis, page.target, page.name)
+        return replace(page, result=_result(problems, as_text(analysis), picture, texts)), texts
 
-def _typed(form: Mapping[str, str]) -> Page:
-    text, signal = (form.get(name, "").replace("\r\n", "\n") for name in ("text", "signal"))
-    target: Target = "c" if form.get("target") == "c" else "python"
-    return Page(text, form.get("rate", ""), target, form.get("name") or "event", signal)
 
-
-def _analysis(page: Page) -> Analysis:
-    text = page.rate.strip()
+def _rate(text: str) -> float | None:
     try:
-        rate = float(text) if text else None
+        return float(text) if text else None
     except ValueError:
         raise EddiError(problem("E005.rate_text", rate=text[:40])) from None
-    return analyse(page.text, rate=rate)
-
-
-def _answer(page: Page, read_signal: ReadSignal, *, code: bool, example: bool) -> Page:
-    """Return the page with the result of what was typed."""
-    try:
-        analysis = _analysis(page)
-    except EddiError as failure:
-        return replace(page, result=_result(failure.problems))
-    problems, picture = list(analysis.problems), ""
-    if analysis.program is None:
-        page = replace(page, error_at=_offset(page.text, problems))
-    else:
-        if example:
-            page = replace(page, signal=_example_signal(analysis, float(page.rate.strip() or 1)))
-        if page.signal.strip():
-            rows, more = read_signal(page.signal, columns(analysis))
-            problems += more
-            picture = _plot(analysis, rows) if rows else ""
-        if code:
-            page = replace(page, files=generate(analysis, page.target, page.name))
-    return replace(page, result=_result(problems, as_text(analysis), picture, page.files))
 
 
 def _download(texts: Mapping[str, str]) -> tuple[str, bytes]:
@@ -179,17 +180,21 @@ def _result(
     problems: Sequence[Problem],
     lines: Sequence[str] = (),
     picture: str = "",
-    texts: Mapping[str, str] | None = None,
+    texts: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     parts = [] if has_errors(problems) else ['<p class="good">No errors.</p>']
-    parts += map(_problem, problems)
+    for entry in problems:
+        place = ":".join(str(part) for part in (entry.place.line, entry.place.col) if part)
+        text = f"<strong>{entry.level}</strong> {place} {escape(entry.message)} [{entry.code}]"
+        hint = f"<p>Hint: {escape(entry.hint)}</p>" if entry.hint else ""
+        parts.append(f'<div class="problem {entry.level}"><p>{text}</p>{hint}</div>')
     if lines:
         parts.append(f"<pre>{escape(chr(10).join(lines))}</pre>")
     if picture:
         data = base64.b64encode(picture.encode()).decode()
         alt = "Values and verdicts over time"
         parts.append(f'<img alt="{alt}" src="data:image/svg+xml;base64,{data}">')
-    for number, (name, text) in enumerate((texts or {}).items()):
+    for number, (name, text) in enumerate(texts.items()):
         rows = min(30, text.count("\n") + 1)
         parts.append(
             f'<h2><label for="code{number}">{escape(name)}</label> '
@@ -200,28 +205,13 @@ def _result(
     return "\n".join(parts)
 
 
-def _problem(problem: Problem) -> str:
-    place = ":".join(str(part) for part in (problem.place.line, problem.place.col) if part)
-    text = f"<strong>{problem.level}</strong> {place} {escape(problem.message)} [{problem.code}]"
-    html = f'<div class="problem {problem.level}"><p>{text}</p>'
-    if problem.excerpt is not None and problem.place.col is not None:
-        line, column = problem.excerpt, problem.place.col
-        before, at = line[max(0, column - 80) : column - 1], line[column - 1 : column] or " "
-        marked = f"{escape(before)}<mark>{escape(at)}</mark>{escape(line[column : column + 80])}"
-        html += f"<pre>{marked}\n{' ' * len(before)}^</pre>"
-    if problem.hint:
-        html += f"<p>Hint: {escape(problem.hint)}</p>"
-    return f"{html}</div>"
-
-
 def _example_signal(analysis: Analysis, rate: float) -> str:
     """Return a recording as CSV: waves for numbers, slow changes for all else."""
     count = min(_MAX_ROWS, _MAX_CELLS // (len(analysis.inputs) + 1))
     lines = [",".join(["t", *(variable.name for variable in analysis.inputs)])]
     for row in range(count):
-        cells = (
-            _cell(variable, row / count, k, analysis) for k, variable in enumerate(analysis.inputs)
-        )
+        part = row / count
+        cells = (_cell(entry, part, k, analysis) for k, entry in enumerate(analysis.inputs))
         lines.append(",".join([number_text(round(row / rate, 9)), *cells]))
     return "\n".join(lines) + "\n"
 
@@ -243,12 +233,3 @@ def _plot(analysis: Analysis, rows: Rows) -> str:
     inputs = [(t, held := {**held, **samples}) for t, samples in rows]
     tracks = [*tracks_of("values", inputs), *tracks_of("events", list(play(analysis, rows)))]
     return plot("Values and verdicts", tracks)
-
-
-def _offset(text: str, problems: Sequence[Problem]) -> int | None:
-    """Return the offset of the first error."""
-    for error in problems:
-        line, col = error.place.line, error.place.col
-        if error.level == "error" and line is not None and col is not None:
-            return sum(len(above) + 1 for above in text.split("\n")[: line - 1]) + col - 1
-    return None

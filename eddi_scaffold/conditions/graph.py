@@ -32,14 +32,19 @@ _TRUTH_WORDS = ("FALSE", "UNKNOWN", "TRUE")
 class GraphBuilder:
     """Collects operations; what adds one returns its number."""
 
-    def __init__(self, period: int) -> None:
+    def __init__(self, period: int = 0) -> None:
         self.period = period
+        self.used: dict[str, int] = {}  # variables in the order of their first use
         self.operations: list[Operation] = []
         self._known: dict[str, int] = {}
 
     def leaf(self, op: str, value: float | None, at: At) -> int:
         """Add a constant, ``None`` for an UNKNOWN number, or what is read: its number."""
         return self._add(Operation(op, (), "", value, at=at))
+
+    def variable(self, name: str, at: At) -> int:
+        """Add what is read."""
+        return self.leaf("variable", self.used.setdefault(name, len(self.used)), at)
 
     def operation(self, op: str, args: Sequence[int], at: At) -> int:
         """Add an operation; one whose value is the same in every step becomes a constant."""

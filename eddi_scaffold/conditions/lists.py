@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from eddi_scaffold.common.units import converted, find
 from eddi_scaffold.conditions.graph import GraphBuilder
@@ -29,12 +28,8 @@ _ANGLES = ("angle_min", "angle_max", "angle_increment")
 """Fields of a scan that define the directions of its elements."""
 
 
-@dataclass
-class Elements:
-    """The content of the parentheses of one reduction: it is computed for each element."""
-
-    builder: GraphBuilder = field(default_factory=lambda: GraphBuilder(0))  # its graph
-    used: dict[str, int] = field(default_factory=dict)  # variables in the order of their first use
+class Elements(GraphBuilder):
+    """The content of the parentheses of a reduction: it is computed for each element."""
 
     @property
     def lists(self) -> list[str]:
@@ -51,10 +46,6 @@ class Elements:
         if node.op == "name" and not is_variable and node.text not in scope.constants:
             return f"{node.text} is not part of the message: only its fields, and constants"
         return ""
-
-    def read(self, name: str) -> int:
-        """Return the node of a variable that a limit or a sector needs."""
-        return self.builder.leaf("variable", self.used.setdefault(name, len(self.used)), (0, 0))
 
     def unit(self, scope: Scope) -> str | None:
         """Return the unit of the elements, ``None`` for none or several lists."""
@@ -87,9 +78,9 @@ def reduced(
     node, options, lists = file.nodes[root], file.nodes[root].options, elements.lists
     assert options is not None
     limits = [  # those that the messages document: input, nodes of the limits
-        [elements.used[name], *map(elements.read, scope.variables[name].within or ())]
+        [elements.used[name], *(elements.variable(limit, (0, 0)) for limit in within)]
         for name in lists
-        if scope.variables[name].within is not None
+        if (within := scope.variables[name].within) is not None
     ]
     numbers = [name for name in lists if scope.variables[name].type == NUMBER]
     _check_one_message(node, elements, findings)
@@ -98,7 +89,7 @@ def reduced(
             findings.refuse("E007.within", node.start)
         limits.append([elements.used[numbers[0]], *nodes[1:]])
     sector = _sector(options, lists, elements, findings)
-    rows, new = elements.builder.needed([nodes[0], *(n for limit in limits for n in limit[1:])])
+    rows, new = elements.needed([nodes[0], *(n for limit in limits for n in limit[1:])])
     parts = [
         scope.variables.get(name) or Variable(name, NUMBER, declared=False)
         for name in elements.used
@@ -181,6 +172,6 @@ def _sector(
     if len(lists) != 1 or rest or not array.endswith("[*]"):
         findings.refuse("E007.scan", options.sector_at)
     for angle in _ANGLES:
-        elements.read(f"{scan}.{angle}")
+        elements.variable(f"{scan}.{angle}", (0, 0))
     angles = tuple(elements.used[f"{scan}.{angle}"] for angle in _ANGLES)
     return (ends[0], ends[1]), angles

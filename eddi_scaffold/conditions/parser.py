@@ -1,23 +1,30 @@
-"""Texts of events: declarations, and expressions behind them."""
+"""Texts of events: declarations, and expressions by precedence with a stack of operators."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
+from typing import Any, NoReturn
 
-from eddi_scaffold.common.problems import did_you_mean
-from eddi_scaffold.conditions.expressions import ExpressionParser, temporal_hint
+from eddi_scaffold.common.problems import did_you_mean, plural
 from eddi_scaffold.conditions.syntax import (
+    FUNCTIONS,
+    MORE,
+    REDUCTIONS,
+    WINDOWS,
     ConstDeclaration,
     EnumDeclaration,
     EventDeclaration,
     File,
     Identifier,
+    ReductionOptions,
+    SyntaxNode,
     VarDeclaration,
+    is_list_path,
 )
 from eddi_scaffold.conditions.tokens import (
     DECLARATIONS,
     RESERVED,
+    Cursor,
     Refused,
     TextFindings,
     Token,
@@ -25,14 +32,20 @@ from eddi_scaffold.conditions.tokens import (
 )
 
 MAX_TEXT = 64 * 1024
-_OPTIONS = {
-    "UNIT": "a unit",
-    "RATE": "a rate such as 10 Hz",
-    "TIMEOUT": "a duration such as 500ms",
-    "RANGE": "a range such as 0 .. 5",
-    "ALLOW": "INF",
+MAX_DEPTH = 100
+MAX_NODES = 10_000
+_IMPLIES, _NOT, _COMPARISON, _MINUS = 1, 5, 6, 9
+_WORDS = {"IMPLIES": (_IMPLIES, "implies"), "OR": (2, "or"), "XOR": (3, "xor"), "AND": (4, "and")}
+_SYMBOLS = {
+    **{text: (_COMPARISON, op) for text, op in (("<", "lt"), ("<=", "le"), (">", "gt"))},
+    **{text: (_COMPARISON, op) for text, op in ((">=", "ge"), ("==", "eq"), ("!=", "ne"))},
+    "+": (7, "add"),
+    "-": (7, "sub"),
+    "*": (8, "mul"),
+    "/": (8, "div"),
 }
-"""Option of a VAR -> what comes behind it."""
+_LIST_OPTIONS = ("COVERAGE", "SECTOR", "LENGTH", "WITHIN")
+_OPTIONS = ("UNIT", "RATE", "TIMEOUT", "RANGE", "ALLOW")
 ANONYMOUS = "event"  # name of the event that a bare expression is
 
 
@@ -49,10 +62,11 @@ def parse(text: str, findings: TextFindings) -> File:
     return File() if findings.problems else _Parser(tokens, findings).file()
 
 
-class _Parser(ExpressionParser):
+class _Parser(Cursor):
     def __init__(self, tokens: tuple[Token, ...], findings: TextFindings) -> None:
         super().__init__(tokens, findings)
-        self._is_behind_declaration = False
+        self._nodes: list[SyntaxNode] = []
+        self._depth = 0
 
     def file(self) -> File:
         readers = {
@@ -60,6 +74,7 @@ class _Parser(ExpressionParser):
             "VAR": self._variable,
             "CONST": self._constant,
             "EVENT": self._event,
+            "": self._bare,
         }
         declarations: list[Identifier] = []
         broken: set[str] = set()
@@ -68,11 +83,13 @@ class _Parser(ExpressionParser):
                 pass
             if self._token.kind == "end" and (declarations or self._findings.problems):
                 break
-            first = self._index
-            self._declared = ""
+            first, keyword = self._index, self._declaration()
+            self._declared, self._depth = "", 0
             try:
-                declarations.append(readers.get(self._declaration(), self._bare)())
-                self._expect_end(first, readers)
+                self._index += keyword != ""
+                declarations.append(readers[keyword]())
+                if keyword in ("EVENT", ""):  # behind others an expression may begin
+                    self._expect_end(first)
             except Refused:
                 broken.add(self._declared)
                 self._index += self._index == first and self._token.kind != "end"
@@ -89,32 +106,27 @@ class _Parser(ExpressionParser):
             frozenset(broken),
         )
 
-    def _expect_end(self, first: int, keywords: Collection[str]) -> None:
-        """Check that a declaration, or a bare expression after them, may begin here."""
-        is_end = self._token.kind == "end" or self._is_symbol(";")
-        if is_end or self._declaration() or self._is_behind_declaration:
+    def _expect_end(self, first: int) -> None:
+        """Check that an expression ends here, which began at a token."""
+        if self._token.kind == "end" or self._is_symbol(";") or self._declaration():
             return
         hint, before = self._comparison_hint(), self._tokens[self._index - 1]
-        if self._index == first + 1 and before.kind == self._token.kind == "word":
-            keyword = did_you_mean(before.keyword, keywords)
+        if self._index == first + 1 and before.kind == "word":
+            keyword = did_you_mean(before.keyword, [*DECLARATIONS, *_OPTIONS])
             if keyword is not None:
                 hint, self._declared = keyword, before.text  # it is no variable that is missing
-        hint = temporal_hint(self._token) or temporal_hint(before) or hint
         self._fail("E001.rest", hint=hint, shown=self._token.shown)
 
     def _enum(self) -> EnumDeclaration:
-        self._index += 1
         name = self._new_name("the name of the ENUM")
         self._expect("{")
         literals = [self._new_name("a literal of the ENUM")]
         while self._took(","):
             literals.append(self._new_name("a literal of the ENUM"))
         self._expect("}")
-        self._is_behind_declaration = True
         return EnumDeclaration(name.name, name.at, tuple(literals))
 
     def _variable(self) -> VarDeclaration:
-        self._index += 1
         name = self._new_name("the name of a variable")
         path = self._path_rest(name.name)
         self._expect(":")
@@ -123,8 +135,6 @@ class _Parser(ExpressionParser):
         while variable is not None:
             declared = variable
             variable = self._option(declared)
-        self._refuse_option()
-        self._is_behind_declaration = True
         return declared
 
     def _option(self, variable: VarDeclaration) -> VarDeclaration | None:
@@ -155,28 +165,13 @@ class _Parser(ExpressionParser):
         self._index += 1
         return replace(variable, rate=rate)
 
-    def _refuse_option(self) -> None:
-        """Refuse a word that can only be meant as an option: no expression goes on like that."""
-        word, value = self._token, self._peek()
-        goes_on = value.kind == "number" or (value.kind == "word" and value.keyword not in RESERVED)
-        expected = _OPTIONS.get(word.keyword)
-        if expected is not None and (goes_on or value.keyword in DECLARATIONS):
-            expected = f"{expected} behind {word.keyword}"
-            self._fail("E001.word", value.start, expected=expected, shown=value.shown)
-        hint = did_you_mean(word.keyword, _OPTIONS) if word.kind == "word" and goes_on else None
-        if hint is not None and word.keyword not in RESERVED:
-            self._fail("E001.variable_option", hint=hint, shown=word.shown)
-
     def _constant(self) -> ConstDeclaration:
-        self._index += 1
         name = self._new_name("the name of a constant")
         self._expect("=")
         value = self._signed()
-        self._is_behind_declaration = True
         return ConstDeclaration(name.name, name.at, value)
 
     def _event(self) -> EventDeclaration:
-        self._index += 1
         name = self._new_name("the name of the event")
         polarity = None
         if self._took("("):
@@ -186,14 +181,192 @@ class _Parser(ExpressionParser):
             self._index += 1
             self._expect(")")
         self._expect(":=")
-        return EventDeclaration(name.name, name.at, polarity, *self._definition())
+        first = len(self._nodes)
+        return EventDeclaration(name.name, name.at, polarity, first, self._expression())
 
     def _bare(self) -> EventDeclaration:
-        at = self._token.start
-        return EventDeclaration(ANONYMOUS, at, None, *self._definition(), anonymous=True)
+        at, first = self._token.start, len(self._nodes)
+        return EventDeclaration(ANONYMOUS, at, None, first, self._expression(), anonymous=True)
 
-    def _definition(self) -> tuple[int, int]:
-        """Return the first and the last node of an expression."""
-        self._is_behind_declaration = False
-        self._depth, first = 0, len(self._nodes)
-        return first, self._expression()
+    # expressions
+
+    def _expression(self) -> int:
+        """Parse an expression with a stack of operators; only parentheses and calls recurse."""
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            self._end_at_limit("E013.depth", self._token.start, MAX_DEPTH)
+        stack: list[tuple[int, str, Token]] = []
+        operands: list[int] = []
+        while True:
+            self._prefixes(stack)
+            operands.append(self._atom())
+            token = self._token
+            strength, op = _WORDS.get(token.keyword) or _SYMBOLS.get(token.text) or (0, "")
+            # IMPLIES groups to the right, all others to the left.
+            while stack and stack[-1][0] >= strength + (strength == _IMPLIES):
+                if stack[-1][0] == strength == _COMPARISON:
+                    self._fail("E001.chain")
+                self._reduce(stack.pop(), operands)
+            if not op:
+                self._depth -= 1
+                return operands[0]
+            stack.append((strength, op, self._take()))
+
+    def _prefixes(self, stack: list[tuple[int, str, Token]]) -> None:
+        while self._token.keyword == "NOT" or self._is_symbol("-"):
+            strength, op = (_MINUS, "neg") if self._is_symbol("-") else (_NOT, "not")
+            if op == "not" and stack and stack[-1][0] > _NOT:
+                self._missing("an operand", "put it in parentheses: (NOT a)")
+            stack.append((strength, op, self._take()))
+
+    def _reduce(self, operator: tuple[int, str, Token], operands: list[int]) -> None:
+        _, op, token = operator
+        right = operands.pop()
+        if op in ("not", "neg"):
+            operands.append(self._add(op, token, (right,)))
+            return
+        left, node = operands.pop(), self._nodes[right]
+        # `MAX(a, 1s) + MAX(b, 1s) / 2`: SESAME D7.2's own example means the mean
+        is_quotient = node.op == "div" and not node.wrapped
+        if op in ("add", "sub") and is_quotient and self._nodes[node.args[1]].op == "number":
+            self._findings.add("W001", node.start)
+        operands.append(self._add(op, token, (left, right), start=self._nodes[left].start))
+
+    def _atom(self) -> int:
+        token = self._token
+        if token.kind == "number":
+            self._number()
+            return self._add("number", token, text=token.text, unit=self._unit())
+        if token.keyword in ("TRUE", "FALSE"):
+            return self._add("truth", self._take(), text=token.text)
+        if self._took("("):
+            inside = self._expression()
+            self._expect(")")
+            self._nodes[inside] = replace(self._nodes[inside], start=token.start, wrapped=True)
+            return inside
+        if token.keyword == "UNKNOWN":
+            self._fail("E001.literal")
+        if self._declaration():
+            end = self._tokens[self._index - 1].end if self._index else 0
+            self._fail("E001.word", end, expected="an operand", shown="the next declaration")
+        if token.kind != "word" or token.keyword in (*_WORDS, "NOT"):
+            self._missing("an operand")
+        if token.keyword in RESERVED:
+            self._fail("E001.reserved", shown=token.shown)
+        self._index += 1
+        if self._took("("):
+            return self._call(token)
+        name = self._path_rest(token.text)
+        return self._add("name", token, text=name, is_list=is_list_path(name))
+
+    def _call(self, function: Token) -> int:
+        word = function.keyword
+        if word in WINDOWS or word in REDUCTIONS:
+            argument = self._expression()
+            if self._nodes[argument].is_list:
+                return self._reduction(function, argument)
+            return self._window(function, argument)
+        if word not in FUNCTIONS and word not in MORE:
+            names = dict.fromkeys((*WINDOWS, *REDUCTIONS, *FUNCTIONS, *MORE))
+            hint = did_you_mean(function.text, names) or f"functions: {', '.join(names)}"
+            self._fail("E006.unknown_function", function.start, hint=hint, shown=function.shown)
+        args = [] if self._is_symbol(")") else [self._expression()]
+        while self._took(","):
+            args.append(self._expression())
+        self._expect(")", "',' or ')'")
+        op = "number_of" if word == "NUMBER" else word.lower()
+        expected = FUNCTIONS.get(word, max(2, len(args)))
+        if len(args) != expected:
+            arguments = plural(expected, "argument") + (" or more" if word in MORE else "")
+            self._fail(
+                "E006.arguments", function.start, word=word, arguments=arguments, number=len(args)
+            )
+        if word not in MORE:
+            return self._add(op, function, tuple(args))
+        nested = args[0]
+        for arg in args[1:]:
+            nested = self._add(op, function, (nested, arg))
+        return nested
+
+    def _window(self, function: Token, argument: int) -> int:
+        word = function.keyword
+        if word not in WINDOWS:
+            self._fail("E006.needs_list", function.start, word=word)
+        if self._is_symbol(")"):
+            self._fail("E005.no_duration", word=word)
+        self._expect(",", "',' and a duration such as 5s")
+        at, option = self._token.start, self._token.keyword
+        if option in _LIST_OPTIONS and option != "COVERAGE":
+            self._fail("E006.for_lists", word=option, function=word)
+        length, coverage = self._duration(), None
+        if self._took(","):
+            if self._token.keyword != "COVERAGE":
+                self._missing("COVERAGE")
+            if word in ("TIME", "ONCE"):
+                self._fail("E005.not_here", word=word)
+            coverage = self._coverage()
+        self._expect(")")
+        more = {"window": length, "window_at": at, "coverage": coverage}
+        return self._add(WINDOWS[word], function, (argument,), **more)
+
+    def _coverage(self) -> float:
+        word = self._take()
+        number, share = self._token, self._number()
+        if not 0 < share <= 1:
+            hint = f"{word.keyword} {share / 100:g}" if 10 <= share <= 100 else None  # percent
+            self._findings.add("E005.range", number.start, hint=hint)
+        return share
+
+    def _reduction(self, function: Token, argument: int) -> int:
+        """Take the options behind the list of a reduction."""
+        word = function.keyword
+        if word not in REDUCTIONS:
+            known = ", ".join(REDUCTIONS)
+            self._fail("E006.no_list", function.start, word=word, reductions=known)
+        options, args, remaining = ReductionOptions(), [argument], [*_LIST_OPTIONS]
+        while self._took(","):
+            option, at = self._token.keyword, self._token.start
+            if option not in remaining:
+                self._missing(" or ".join(remaining) or "')'")
+            remaining.remove(option)
+            if option == "COVERAGE":
+                options = replace(options, coverage=self._coverage())
+                continue
+            self._index += 1
+            if option == "SECTOR":
+                low = self._signed()
+                self._expect("..", "'..' as in SECTOR -30 deg .. 30 deg")
+                options = replace(options, sector=(low, self._signed()), sector_at=at)
+            elif option == "LENGTH":
+                options = replace(options, length=self._lengths())
+            else:
+                args.append(self._expression())
+                self._expect("..")
+                args.append(self._expression())
+                options = replace(options, within=True)
+        self._expect(")", "',' or ')'")
+        more = {"options": options, "is_list": False}
+        return self._add(REDUCTIONS[word], function, tuple(args), **more)
+
+    def _lengths(self) -> tuple[int, int]:
+        ends: list[int] = []
+        while not ends or (len(ends) == 1 and self._took("..")):
+            if not self._token.text.isdigit() or len(self._token.text) > 6:
+                self._missing("a number of elements")
+            ends.append(int(self._take().text))
+        if ends[-1] < ends[0]:
+            self._fail("E006.length")
+        return ends[0], ends[-1]
+
+    def _add(self, op: str, token: Token, args: tuple[int, ...] = (), **fields: Any) -> int:
+        if len(self._nodes) >= MAX_NODES:
+            self._end_at_limit("E013.operations", token.start, MAX_NODES)
+        is_list = any(self._nodes[k].is_list for k in args)
+        fields = {"start": token.start, "is_list": is_list, **fields}
+        self._nodes.append(SyntaxNode(op, args, at=token.start, **fields))
+        return len(self._nodes) - 1
+
+    def _end_at_limit(self, case: str, at: int, limit: int) -> NoReturn:
+        """Report a limit, once: nothing after it is read."""
+        self._index = len(self._tokens) - 1
+        self._fail(case, at, limit=limit)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from graphlib import TopologicalSorter
 
-from eddi_scaffold.common.graphs import cycles
+from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.problems import Place, did_you_mean
 from eddi_scaffold.common.units import converted, dimension, words
 from eddi_scaffold.conditions.syntax import (
@@ -234,41 +234,28 @@ def infer_types(file: File, scope: Scope) -> None:
     """
     if scope.closed:
         return
-    names = (node.text for node in file.nodes if node.op == "name" and not scope.knows(node.text))
-    parent = {name: name for name in names}  # sets of variables that have one type (union-find)
-    types: dict[str, Type] = {}
-
-    def root(name: str) -> str:
-        while parent[name] != name:
-            parent[name] = parent[parent[name]]
-            name = parent[name]
-        return name
-
-    def decide(node: SyntaxNode, type_: Type | None) -> None:
-        if node.op == "name" and node.text in parent and type_ is not None:
-            types.setdefault(root(node.text), type_)
-
-    def known(node: SyntaxNode) -> Type | None:
-        if node.op == "name":
-            return types.get(root(node.text)) if node.text in parent else scope.type_of(node.text)
-        return {"number": NUMBER, "truth": BOOL}.get(node.op) or result_of(node.op)
-
+    texts = (node.text for node in file.nodes if node.op == "name" and not scope.knows(node.text))
+    names = dict.fromkeys(texts)
+    compared: dict[str, list[str]] = {name: [] for name in names}  # names of one type
+    uses: list[tuple[SyntaxNode, Type | None]] = []
     for node in file.nodes:
         operands = [file.nodes[k] for k in node.args]
         if node.op in ("eq", "ne"):
-            left, right = operands
-            type_ = known(left) or known(right)
-            decide(left, type_)
-            decide(right, type_)
-            if all(operand.op == "name" and operand.text in parent for operand in operands):
-                joined = root(left.text)
-                parent[root(right.text)] = joined
-                types |= {joined: type_} if type_ is not None else {}
+            for operand, other in (operands, reversed(operands)):
+                if other.op != "name":
+                    type_ = {"number": NUMBER, "truth": BOOL}.get(other.op)
+                    uses.append((operand, type_ or result_of(other.op)))
+                elif other.text not in names:
+                    uses.append((operand, scope.type_of(other.text)))
+                elif operand.op == "name" and operand.text in names:
+                    compared[operand.text].append(other.text)
         elif node.op not in ("known", "age"):
-            for operand, type_ in zip(operands, arguments_of(node.op), strict=False):
-                decide(operand, type_)
-    for event in file.events:
-        if not event.anonymous:
-            decide(file.nodes[event.root], BOOL)
-    for name in parent:
-        scope.variables[name] = Variable(name, types.get(root(name)), declared=False)
+            uses += zip(operands, arguments_of(node.op), strict=False)
+    uses += [(file.nodes[event.root], BOOL) for event in file.events if not event.anonymous]
+    types: dict[str, Type] = {}
+    for node, type_ in uses:
+        is_open = node.op == "name" and node.text in names and node.text not in types
+        if is_open and type_ is not None:
+            types |= dict.fromkeys(reached(compared, [node.text]), type_)
+    for name in names:
+        scope.variables[name] = Variable(name, types.get(name), declared=False)

@@ -153,21 +153,8 @@ REDUCTIONS = {
     **{word: f"list_{word.lower()}" for word in _LIST_WORDS},
 }
 """Function of a list -> operation."""
-FUNCTIONS = {
-    "ABS": 1,
-    "SQRT": 1,
-    "HYPOT": 2,
-    "CLAMP": 3,
-    "NUMBER": 1,
-    "ELAPSED": 1,
-    "RISE": 1,
-    "FALL": 1,
-    "EDGE": 1,
-    "LATCH": 2,
-    "HYSTERESIS": 3,
-    "KNOWN": 1,
-    "AGE": 1,
-}
+_OF_ONE = ("ABS", "SQRT", "NUMBER", "ELAPSED", "RISE", "FALL", "EDGE", "KNOWN", "AGE")
+FUNCTIONS = {**dict.fromkeys(_OF_ONE, 1), "HYPOT": 2, "LATCH": 2, "CLAMP": 3, "HYSTERESIS": 3}
 """Function -> number of its arguments."""
 MORE = ("LEAST", "GREATEST")  # functions of two arguments or more
 

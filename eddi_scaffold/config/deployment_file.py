@@ -14,8 +14,7 @@ from pydantic import StrictStr as Text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import Place, Problem, has_errors, in_order, problem
-from eddi_scaffold.config import values
-from eddi_scaffold.config.file import existing_file
+from eddi_scaffold.config.file import Placed, Places, existing_file, plain_values, violations
 from eddi_scaffold.config.schema import (
     PEERS_LEASE,
     PEERS_TOPIC,
@@ -134,19 +133,12 @@ _ROBOTS_LINE = re.compile(rb"^Robots[ \t]*:", re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class FleetFile:
+class FleetFile(Placed):
     """A deployment file as it was read."""
 
     form: FleetForm  # its content
-    name: str  # path as the user gave it
-    # path such as `("Robots", 0, "name")` -> place of the value
-    places: Mapping[tuple[str | int, ...], Place]
     # number of a robot and of one of its monitors -> its `override`
     overrides: Mapping[tuple[int, int], Map]
-
-    def place(self, *path: str | int) -> Place:
-        """Return the place of a part, or of the smallest part that holds it."""
-        return values.place_of(self.places, path, self.name)
 
     def files(self, robot: int, monitor: int) -> tuple[Path, Path | None]:
         """Return where configuration and model of a monitor are.
@@ -178,15 +170,15 @@ def read_fleet(source: Source) -> tuple[FleetFile | None, list[Problem]]:
     document, problems = read_map(source, "K001")
     if document is None:
         return None, problems
-    places: values.Places = {}
-    data = values.plain_values(document, places)
+    places: Places = {}
+    data = plain_values(document, places)
     data = {key: value for key, value in data.items() if value is not None or key == ROBOTS}
     try:
         form = FleetForm.model_validate(data)
     except ValidationError as failed:
-        wrong = values.violations(failed, places, source.name, FleetForm)
+        wrong = violations(failed, places, source.name, FleetForm)
         return None, in_order([*problems, *wrong])
-    file = FleetFile(form, source.name, places, dict(_overrides(document)))
+    file = FleetFile(source.name, places, form, dict(_overrides(document)))
     problems += _repeated(file)
     return (None if has_errors(problems) else file), in_order(problems)
 

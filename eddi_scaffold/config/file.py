@@ -1,18 +1,166 @@
-"""One configuration as it was read, and the files that it names."""
+"""A configuration and the values of its file, with their places; the files that it names."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
 
 from eddi_scaffold.common.files import Source, next_to, read_source, similar_file
-from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.config import values
-from eddi_scaffold.config.schema import Config
+from eddi_scaffold.common.identifiers import TODO
+from eddi_scaffold.common.problems import (
+    EddiError,
+    HintedError,
+    Place,
+    Problem,
+    did_you_mean,
+    most_similar,
+    problem,
+)
+from eddi_scaffold.config.schema import Config, Section
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, value_11
 from eddi_scaffold.yaml_text.spans import inside_scalar
+
+KEY = -1
+ValuePath = tuple[str | int, ...]  # keys and numbers of entries that lead to a value
+Places = dict[ValuePath, Place]  # with KEY at the end of a path, the place of its key
+_TEXTS = {
+    "bool_type": "true or false is expected",
+    "dict_type": "a map is expected",
+    "int_type": "a whole number is expected",
+    "list_type": "a list is expected, such as [first, second]",
+    "model_type": "a map is expected",
+    "string_type": "a text is expected",
+    "too_short": "a text is expected, not nothing",
+}
+"""Messages in place of pydantic's, which address programmers."""
+_AGE = "write seconds, about 2.5 periods of the topic, or give `connect` a recording: --bag"
+_OTHER = "write it in place of TODO; comments of `connect` say what fits"
+
+
+def plain_values(node: Node, places: Places, path: ValuePath = ()) -> Any:
+    """Turn a node graph into plain values of YAML 1.1; note the place of each."""
+    places[path] = node.place
+    if isinstance(node, Items):
+        return [plain_values(item, places, (*path, k)) for k, item in enumerate(node.items)]
+    if not isinstance(node, Map):
+        return value_11(node)
+    result = {}
+    for key, value in node.entries:
+        inner = (*path, key.text)
+        result[key.text] = plain_values(value, places, inner)
+        places[(*inner, KEY)] = key.place
+        if isinstance(value, Map | Items):
+            places[inner] = key.place
+    return result
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A YAML file whose values have their places."""
+
+    name: str  # path as the user gave it
+    # path such as `("EDDIInputs", 0, "id")` -> place of the value
+    places: Mapping[ValuePath, Place]
+
+    def place(self, *path: str | int) -> Place:
+        """Return the place of a part, or of the smallest part that holds it."""
+        ends = (path[:end] for end in range(len(path), -1, -1))
+        return next((self.places[end] for end in ends if end in self.places), Place(self.name))
+
+
+def keys_at(form: type[BaseModel], path: ValuePath) -> dict[str, Any]:
+    """Return the keys of the section at a path with their types; none where there is no section."""
+    forms = [form]
+    for part in path:
+        if isinstance(part, str):
+            inner = [keys[part] for of in forms if part in (keys := keys_at(of, ()))]
+            forms = [section for type_ in inner for section in _sections(type_)]
+    fields = forms[0].model_fields if forms else {}
+    return {field.alias or name: field.annotation for name, field in fields.items()}
+
+
+def _sections(type_: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(type_, type) and issubclass(type_, BaseModel):
+        yield type_
+    for part in get_args(type_):
+        yield from _sections(part)
+
+
+def violations(
+    failed: ValidationError,
+    places: Mapping[ValuePath, Place],
+    file: str,
+    form: type[BaseModel],
+) -> Iterator[Problem]:
+    """Turn pydantic's findings into problems with a place, one per value (K003)."""
+    errors = failed.errors()
+    unknown = [error["loc"] for error in errors if error["type"] == "extra_forbidden"]
+    misspelt = {(*loc[:-1], most_similar(str(loc[-1]), keys_at(form, loc[:-1]))) for loc in unknown}
+    seen: set[ValuePath] = set()
+    for error in errors:
+        path = loc = tuple(error["loc"])
+        while path and path not in places:
+            path = path[:-1]
+        is_missing = error["type"] == "missing"
+        if (is_missing and loc in misspelt) or (path in seen and not is_missing):
+            continue  # a missing key is told where it is misspelt
+        seen.add(path)
+        place, key = places.get(path, Place(file)), str(loc[-1])
+        named = ".".join(part for part in path if isinstance(part, str)) or "the file"
+        if is_missing:
+            yield problem("K003.missing_key", place, section=named, key=key)
+        elif error["type"] == "extra_forbidden":
+            place = places.get((*path, KEY), place)
+            hint = _hint_for_key(key, path, places, keys_at(form, path[:-1]))
+            yield problem("K003.unknown_key", place, hint=hint, key=key)
+        else:
+            raised = error.get("ctx", {}).get("error")  # by our own checks
+            reason, hint = _TEXTS.get(error["type"]) or str(raised or error["msg"]), None
+            if len(loc) > len(path):  # one of several types that would do
+                reason = "true, false, a number or a text is expected"
+            elif isinstance(raised, HintedError):
+                hint = raised.hint
+            reason = reason.replace("Input should be", "must be")  # of pydantic, for a literal
+            yield problem("K003.value", place, hint=hint, key=named, reason=reason)
+
+
+def _hint_for_key(
+    key: str, path: ValuePath, places: Mapping[ValuePath, Place], known: Mapping[str, Any]
+) -> str:
+    if not key.isidentifier():  # a part of an expression, whose key stands before it?
+        siblings = [at[-2] for at in places if at[-1:] == (KEY,) and at[:-2] == path[:-1]]
+        before = siblings[: siblings.index(path[-1])] if path[-1:] and path[-1] in siblings else []
+        if [name for name in before if str(name).isidentifier()][-1:] == ["expression"]:
+            return "put the expression in quotes: inside { } a comma ends it"
+    known_keys = f"known keys: {', '.join(sorted(known))}"
+    return hint_for_decimals(key) or did_you_mean(key, known) or known_keys
+
+
+def hint_for_decimals(key: str) -> str | None:
+    """Return the hint for a key that is what stood behind the comma of a number."""
+    if not key[:1].isdecimal():
+        return None
+    return "a number has a decimal point: inside { } a comma ends it"
+
+
+def undecided(node: Node, names: Sequence[str] = ()) -> Iterator[Problem]:
+    """Yield an error for each value that is still the word TODO of ``connect``'s drafts (K059)."""
+    if isinstance(node, Map):
+        for key, value in node.entries:
+            yield from undecided(value, [*names, key.text])
+    elif isinstance(node, Items):
+        for item in node.items:  # an entry of a list is called by its id
+            id_ = as_text(item.get("id") or item) if isinstance(item, Map) else None
+            yield from undecided(item, [*names, id_] if id_ else names)
+    elif node.plain and node.text == TODO:
+        hint = _AGE if names and names[-1] == "max_age" else _OTHER
+        yield problem("K059", node.place, hint=hint, name=".".join(names))
+
 
 _EVENT_FILES, _TYPES = "event_files", "MessageTypes"
 """Keys of what is remembered: the texts of other files, and message types."""
@@ -20,13 +168,10 @@ MODEL_KEYS = ("model", "config", "file")  # keys by which `parameters` names the
 
 
 @dataclass(frozen=True)
-class ConfigFile:
+class ConfigFile(Placed):
     """A configuration with the place of each of its parts."""
 
     config: Config
-    name: str
-    # path such as `("EDDIInputs", 0, "id")` -> place of the value
-    places: Mapping[values.Path, Place]
     remembered: bool = False  # it comes from the answers of a package, not from its file
     text: str = ""  # of the file
     # name of each `expression_file` as it is written there -> its text
@@ -56,13 +201,13 @@ class ConfigFile:
 
     def inside(self, *path: str | int) -> Callable[[int], Place]:
         """Return offset in the text of a value -> its place in the file."""
+        value: Any = self.config
+        for part in path:
+            value = getattr(value, str(part)) if isinstance(value, Section) else value[part]
         place = self.place(*path)
         # what a deployment file overrides is not in this text
-        return inside_scalar(self.text if place.file == self.name else "", place)
-
-    def place(self, *path: str | int) -> Place:
-        """Return the place of a part, or of the smallest part that holds it."""
-        return values.place_of(self.places, path, self.name)
+        text = self.text if place.file == self.name and isinstance(value, str) else ""
+        return inside_scalar(text, place, value)
 
 
 def from_json(text: str, name: str) -> ConfigFile:
@@ -76,7 +221,7 @@ def from_json(text: str, name: str) -> ConfigFile:
     if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
         raise ValueError(f"{_EVENT_FILES} is not a map of texts")
     config = Config.model_validate(document)
-    return ConfigFile(config, name, {}, remembered=True, event_files=files)
+    return ConfigFile(name, {}, config, remembered=True, event_files=files)
 
 
 def _sorted(value: Any, key: str = "") -> Any:

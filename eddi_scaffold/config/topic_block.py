@@ -8,20 +8,20 @@ comments stay with their topic.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
 from eddi_scaffold.mros.topics import TopicEntry
-from eddi_scaffold.yaml_text.nodes import Map, items_of, quoted, read_document, scalars_of
-from eddi_scaffold.yaml_text.spans import Span, TextEditor, comment_texts, comments, spans
+from eddi_scaffold.yaml_text.nodes import NOT_YAML, Map, items_of, quoted, read_document, scalars_of
+from eddi_scaffold.yaml_text.spans import Span, TextEditor, comments, spans
 
 KEPT_ENTRIES = ("M026.stays", "M026.needed")
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
 _WORDS = re.compile(r"\w+")
-_NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
+_NOTHING = re.compile(r"(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
 
 
 @dataclass(frozen=True)
@@ -31,15 +31,14 @@ class OldEntry(TopicEntry):
     text: str = ""  # as written, without the dash, to the end of its last line
     column: int = 0  # blanks in front of it, which its further lines have as well
     more: tuple[str, ...] = ()  # the keys other than id, type and topic, as written
-    above: tuple[str, ...] = ()  # the comments in front of it
-    inside: tuple[str, ...] = ()  # the comments in its text
-    comment_lines: tuple[int, ...] = ()  # the lines of all of them
+    above: Mapping[int, str] = field(default_factory=dict)  # line -> comment in front of it
+    inside: Mapping[int, str] = field(default_factory=dict)  # line -> comment in its text
 
     def lines(self) -> list[str]:
         """Return its lines as they are, two blanks in."""
         first, *rest = self.text.split("\n")
         more = (_dedented(line, self.column) for line in rest)
-        comments = (f"  {comment}" for comment in self.above)
+        comments = (f"  {comment}" for comment in self.above.values())
         return [*comments, f"  - {first}", *(f"    {line}" if line else "" for line in more)]
 
 
@@ -83,16 +82,15 @@ def read_block(source: Source) -> ConfigText:
         EddiError: the file is not a YAML mapping, is written in one pair of braces, has the block
             under both of its names, or uses an anchor of it elsewhere (K001).
     """
-    if _NOTHING.fullmatch(source.data):
-        text = source.data.decode("utf-8-sig", "replace")
+    text = source.data.decode("utf-8-sig", "replace")
+    if _NOTHING.fullmatch(text) and not NOT_YAML.search(text):
         return ConfigText(source.name, text, start=len(text), end=len(text))
     node, problems = read_document(source, "K001")
     if node is None or problems:
         raise EddiError(*problems)
-    text = source.data.decode("utf-8-sig")
     if not isinstance(node, Map):
         raise EddiError(problem("K001.map", node.place))
-    root = spans(text, source.name)
+    root = spans(text)
     if root is None or root.is_flow:
         raise EddiError(problem("K001.braces", node.place))
     block = [(key, value) for key, value in root.entries() if key.text in _NAMES]
@@ -192,7 +190,7 @@ def _notes(
         subject = f"{entry.id!r} ({entry.topic}) {absent.why}"
         if entry not in kept:
             problems.append(problem("M026.dropped", entry.place, subject=subject))
-            lost.update(entry.comment_lines)
+            lost.update(entry.above, entry.inside)
         else:
             case = "M026.stays" if absent.stays else "M026.needed"
             problems.append(problem(case, entry.place, subject=subject))
@@ -208,8 +206,9 @@ def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:
     values = (quoted(entry.id), quoted(entry.type), quoted(entry.topic))
     first, *rest = [f"{key}: {value}" for key, value in zip(_KEYS, values, strict=True)]
     more = [line for text in (old.more if old else ()) for line in text.split("\n")]
-    comments = [f"  {comment}" for comment in (*old.above, *old.inside)] if old else []
-    return [*comments, f"  - {first}", *(f"    {line}" for line in (*rest, *more))]
+    comments = {**old.above, **old.inside} if old else {}
+    above = (f"  {comment}" for comment in comments.values())
+    return [*above, f"  - {first}", *(f"    {line}" for line in (*rest, *more))]
 
 
 def _dedented(line: str, column: int) -> str:
@@ -242,7 +241,6 @@ def _old_entries(editor: TextEditor, name: str, key: Span, value: Span) -> Itera
             text[item.start : end].replace("\r", "").rstrip(),
             column,
             tuple(more),
-            tuple(comment_texts(text, value, comments_from, item.start)),
-            tuple(comment_texts(text, value, item.start, comments_to)),
-            tuple(comments(text, value, comments_from, comments_to)),
+            comments(text, value, comments_from, item.start),
+            comments(text, value, item.start, comments_to),
         )

@@ -18,8 +18,8 @@ from eddi_scaffold.common.problems import (
     with_excerpts,
 )
 from eddi_scaffold.config.field_types import Fields, declared
+from eddi_scaffold.config.file import undecided
 from eddi_scaffold.config.topic_block import extended, read_block
-from eddi_scaffold.config.values import undecided
 from eddi_scaffold.connect.draft import Age, age_line, deadline_age, entry
 from eddi_scaffold.connect.keeping import Draft, model_id, text_of, topics_of, with_draft
 from eddi_scaffold.connect.matching import Decision, decide

@@ -15,7 +15,7 @@ from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, dump_plain, items_of, read_map
-from eddi_scaffold.yaml_text.spans import Span, TextEditor, comment_texts, spans
+from eddi_scaffold.yaml_text.spans import Span, TextEditor, comments, spans
 
 _OUTPUTS = ("EDDIOutputs", "EDDIOoutputs", "EDDIOOutputs")
 _SOURCES = ("requires", "field", "expression", "expression_file", "event", "states")
@@ -50,7 +50,7 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
     if text and not text.endswith("\n"):
         text += TextEditor(text).newline
     editor = _Editor(text)
-    root = spans(text, document.name)
+    root = spans(text)
     sections = {}
     if root is not None and root.children:
         sections = {key.text: (key, value) for key, value in reversed([*root.entries()])}
@@ -184,8 +184,8 @@ class _Editor(TextEditor):
 
     def _comments(self, value: Span, start: int, end: int) -> list[str]:
         """Return what a person wrote as comments between two offsets."""
-        comments = comment_texts(self.text, value, start, end)
-        return [comment for comment in comments if not is_own(comment)]
+        texts = comments(self.text, value, start, end).values()
+        return [text for text in texts if not is_own(text)]
 
     def _is_open(self, value: Span) -> bool:
         """Return whether a value is TODO, or a map of nothing else."""

@@ -25,9 +25,18 @@ from eddi_scaffold.common.problems import (
     in_order,
     problem,
 )
-from eddi_scaffold.config import values
 from eddi_scaffold.config.field_types import MessageFields, used
-from eddi_scaffold.config.file import MODEL_KEYS, ConfigFile, about_file
+from eddi_scaffold.config.file import (
+    KEY,
+    MODEL_KEYS,
+    ConfigFile,
+    Places,
+    about_file,
+    hint_for_decimals,
+    plain_values,
+    undecided,
+    violations,
+)
 from eddi_scaffold.config.schema import Config, ModelSection
 from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
 from eddi_scaffold.kinds import kinds
@@ -83,27 +92,27 @@ def read_config(
         if name != key.text:
             problems.append(problem("K002", key.place, key=key.text, name=name))
     document = replace(document, entries=tuple(entries))
-    places: values.Places = {}
-    data = values.plain_values(_overridden(document, override), places)
+    places: Places = {}
+    data = plain_values(_overridden(document, override), places)
     # an empty section is an empty list, as D7.2's tools read it
     data = {key: [] if value is None and key != "Model" else value for key, value in data.items()}
     if robot is not None:
         data["SimulatorOutputs"] = robot.outputs(data.get("SimulatorOutputs") or [])
-    open_values = list(values.undecided(document))
+    open_values = list(undecided(document))
     problems += [*_unknown_options(data.get("Model"), places, source.name), *open_values]
     wrong: list[Problem] = []
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
         reported = {problem.place for problem in open_values}
-        violations = values.violations(failed, places, source.name, Config)
-        wrong = [violation for violation in violations if violation.place not in reported]
+        refused = violations(failed, places, source.name, Config)
+        wrong = [violation for violation in refused if violation.place not in reported]
         known = _of_known_keys(data, failed) if partly else None
         if known is None:
             return None, in_order([*problems, *wrong])
         config = known
     text = source.data.decode("utf-8-sig", "replace")
-    file = ConfigFile(config, source.name, places, text=text)
+    file = ConfigFile(source.name, places, config, text=text)
     file = with_types(file, robot.types if robot is not None else {})
     files, unread = _event_files(file)
     file = replace(file, event_files=files)
@@ -165,9 +174,7 @@ def _by_id(items: Items) -> dict[str, Map] | None:
     return entries if len(entries) == len(items.items) else None
 
 
-def _unknown_options(
-    section: object, places: Mapping[values.Path, Place], file: str
-) -> Iterator[Problem]:
+def _unknown_options(section: object, places: Places, file: str) -> Iterator[Problem]:
     """Find keys of ``Model`` that the kind of its model does not understand (K003)."""
     if not isinstance(section, Mapping):
         return
@@ -179,8 +186,8 @@ def _unknown_options(
     known = {*ModelSection.model_fields, *options}
     similar = SimilarNames(sorted(known), "known keys")
     for key in (key for key in section if key not in known):
-        place = places.get(("Model", key, values.KEY), Place(file))
-        hint = values.hint_for_decimals(key) or similar.hint(key)
+        place = places.get(("Model", key, KEY), Place(file))
+        hint = hint_for_decimals(key) or similar.hint(key)
         if key in MODEL_KEYS and isinstance(section[key], str):
             hint = f"the file of the model is named so: `parameters: [{{{key}: {section[key]}}}]`"
         yield problem("K003.unknown_key", place, hint=hint, key=key)

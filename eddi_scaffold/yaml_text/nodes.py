@@ -9,7 +9,6 @@ bombs, recursive aliases and deep nesting are a message like any other mistake.
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.yaml_text.spans import yaml_lines
+from eddi_scaffold.yaml_text.spans import LINE_END, LOADER
 from eddi_scaffold.yaml_text.writer import Verbatim, dump_plain, quoted
 
 if TYPE_CHECKING:
@@ -31,10 +30,10 @@ MAX_BYTES = 16 * 1024 * 1024
 MAX_VISITS = 1_000_000
 MAX_DEPTH = 32
 MAX_DIGITS = 64
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
 _CORE_TAGS = frozenset({"!", *(f"tag:yaml.org,2002:{name}" for name in _CORE_TYPES)})
 _BOOLEANS = {word: word[0] in "tT" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
+NOT_YAML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _DECIMAL = re.compile(r"[-+]?(?!0[0-9])(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _NULLS = frozenset({"", "~", "null", "Null", "NULL"})
@@ -160,14 +159,11 @@ def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]
         The root node and the problems; the node is ``None`` where the document cannot be
         understood at all, and present when only keys are repeated (which is an error too).
     """
-    if len(source.data) > MAX_BYTES:
-        reason = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
-        return None, [problem(f"{code}.yaml", Place(source.name), reason=reason)]
+    composer = _Composer(source.name, code)
     try:
-        text = source.text(code)
+        return composer.compose(source), composer.problems
     except EddiError as refused:
-        return None, list(refused.problems)
-    return _Composer(source.name, code, text).compose()
+        return None, [*composer.problems, *refused.problems]
 
 
 def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
@@ -216,15 +212,7 @@ def dump_11(data: dict[str, str]) -> str:
     return str(text)
 
 
-class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
-    """PyYAML's own idea of plain scalars, without a document around it."""
-
-    def __init__(self) -> None:
-        yaml.constructor.SafeConstructor.__init__(self)
-        yaml.resolver.Resolver.__init__(self)
-
-
-_RESOLVING = _Resolving()
+_RESOLVING = yaml.SafeLoader("")  # PyYAML's own idea of plain scalars, without a document
 _AS_TEXT_11 = ("timestamp", "merge", "value", "str")
 _NUMBERS_11 = ("int", "float")  # in base 2, 8, 16 and 60 also longer than Python can write
 
@@ -246,13 +234,16 @@ _TOO_DEEP = f"nested deeper than the limit of {MAX_DEPTH}"
 _NOT = "put the text in quotes, and write NOT for `!`"
 _NO_COLON = "could not find expected ':'"
 _HINTS = {
+    "alias": "put the text with `*` in quotes",
+    r"\n.*[:,\[-]\s+%": "write `percent`, or put the text in quotes",
+    r"\n.*[:,\[-]\s+!": _NOT,
     _NO_COLON: "put a colon and a blank after the key",
     "mapping values are not allowed": (
         "indent the keys of one map alike; put a text with a colon in quotes"
     ),
     "did not find expected ',' or": "close it, or put a text with brackets or a comma in quotes",
 }
-"""What the parser says -> what to do."""
+"""In what the parser says, or behind it in the line of the file -> what to do."""
 _RESOLVE = (
     "keep what is right of both sides, and delete the lines of `<<<<<<<`, `=======`, `>>>>>>>`"
 )
@@ -270,93 +261,74 @@ class _Open:
     depth: int = 0
 
 
-class _Stop(Exception):  # noqa: N818 - control flow inside this module
-    """The document cannot be understood beyond this place."""
-
-    def __init__(self, message: str, place: Place, hint: str | None = None) -> None:
-        super().__init__(message)
-        self.message, self.place, self.hint = message, place, hint
-
-
 class _Composer:
     """Builds the node graph of one document from the events of the parser."""
 
-    def __init__(self, name: str, code: str, text: str) -> None:
-        self.name, self.code, self.text = name, code, text
+    def __init__(self, name: str, code: str) -> None:
+        self.name, self.code = name, code
         self.problems: list[Problem] = []
         self.open: list[_Open] = []
         self.anchors: dict[str, tuple[Node, int, int] | None] = {}
         self.root: Node | None = None
 
-    def compose(self) -> tuple[Node | None, list[Problem]]:
+    def compose(self, source: Source) -> Node:
+        if len(source.data) > MAX_BYTES:
+            reason = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
+            raise self._fault(reason, Place(source.name))
+        text = source.text(self.code)
         try:
-            for event in self._events():
+            for event in yaml.parse(text, Loader=LOADER):
                 self._take(event)
-        except _Stop as stop:
-            self._report(stop.message, stop.place, stop.hint)
-            return None, self.problems
+        except yaml.MarkedYAMLError as failure:
+            raise self._not_yaml(failure, text) from None
+        except yaml.reader.ReaderError:
+            bad = NOT_YAML.search(text)
+            lines = (text[: bad.start()] if bad else "").split("\n")
+            shown = f" U+{ord(bad.group()):04X}" if bad else ""
+            message = f"this is not YAML: the character{shown} is not allowed"
+            raise self._fault(message, Place(self.name, len(lines), len(lines[-1]) + 1)) from None
         if self.root is None:
-            self._report("the file contains no document", Place(self.name, 1, 1))
-        return self.root, self.problems
+            raise self._fault("the file contains no document", Place(self.name, 1, 1))
+        return self.root
 
-    def _report(self, reason: str, place: Place, hint: str | None = None) -> None:
-        self.problems.append(problem(f"{self.code}.yaml", place, hint=hint, reason=reason))
+    def _fault(self, reason: str, place: Place, hint: str | None = None) -> EddiError:
+        return EddiError(problem(f"{self.code}.yaml", place, hint=hint, reason=reason))
 
     def _place(self, mark: Any) -> Place:
         return Place(self.name, mark.line + 1, mark.column + 1)
 
-    def _events(self) -> Iterator[Any]:
-        try:
-            yield from yaml.parse(self.text, Loader=_LOADER)
-        except yaml.MarkedYAMLError as failure:
-            raise self._not_yaml(failure) from None
-        except yaml.reader.ReaderError:
-            bad = re.search(
-                "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", self.text
-            )
-            lines = (self.text[: bad.start()] if bad else "").split("\n")
-            shown = f" U+{ord(bad.group()):04X}" if bad else ""
-            message = f"this is not YAML: the character{shown} is not allowed"
-            raise _Stop(message, Place(self.name, len(lines), len(lines[-1]) + 1)) from None
-
-    def _not_yaml(self, failure: yaml.MarkedYAMLError) -> _Stop:
-        what, context = failure.problem or "", failure.context or ""
-        mark = failure.problem_mark or failure.context_mark
+    def _not_yaml(self, failure: yaml.MarkedYAMLError, text: str) -> EddiError:
+        what, mark = failure.problem or "", failure.problem_mark or failure.context_mark
         place = Place(self.name) if mark is None else self._place(mark)
         if "maximum nesting depth" in what:  # the parser's own, 1000
-            return _Stop(_TOO_DEEP, place)
-        lines = list(itertools.islice(yaml_lines(self.text), mark.line + 1)) if mark else [""]
+            return self._fault(_TOO_DEEP, place)
+        lines = LINE_END.split(text)[: mark.line + 1] if mark else [""]
         for number, line in enumerate(lines, 1):
             if line.startswith("<<<<<<< "):
                 message = "a merge conflict that nobody has resolved begins here"
-                return _Stop(message, Place(self.name, number, 1), _RESOLVE)
+                return self._fault(message, Place(self.name, number, 1), _RESOLVE)
         line = lines[-1] if mark is not None and len(lines) > mark.line else ""
         if re.match(r" *\t", line):
             message = "this is not YAML: a tab indents this line"
-            return _Stop(message, place, "indent with spaces")
-        hint = next((hint for words, hint in _HINTS.items() if words in what), None)
-        if "alias" in context:
-            hint = "put the text with `*` in quotes"
-        elif re.search(r"[:,\[-]\s+%", line):
-            hint = "write `percent`, or put the text in quotes"
-        elif re.search(r"[:,\[-]\s+!", line):
-            hint = _NOT
+            return self._fault(message, place, "indent with spaces")
         if what == _NO_COLON and failure.context_mark:
             place = self._place(failure.context_mark)  # of the key; the other is below it
         parts = ": ".join(part for part in (failure.context, failure.problem) if part)
-        return _Stop(f"this is not YAML: {parts}", place, hint)
+        clues = f"{parts}\n{line}"
+        hint = next((hint for clue, hint in _HINTS.items() if re.search(clue, clues)), None)
+        return self._fault(f"this is not YAML: {parts}", place, hint)
 
     def _take(self, event: Any) -> None:
         place = self._place(event.start_mark)
         if getattr(event, "tag", None) is not None and event.tag not in _CORE_TAGS:
             hint = _NOT if event.tag.startswith("!") else None
-            raise _Stop(f"the tag {event.tag!r} is not supported here", place, hint)
+            raise self._fault(f"the tag {event.tag!r} is not supported here", place, hint)
         if isinstance(event, yaml.ScalarEvent):
             plain = event.style in (None, "") and event.tag is None
             self._add(Scalar(event.value, plain, place), event.anchor, 1, 0)
         elif isinstance(event, yaml.CollectionStartEvent):
             if len(self.open) >= MAX_DEPTH:
-                raise _Stop(_TOO_DEEP, place)
+                raise self._fault(_TOO_DEEP, place)
             if event.anchor is not None:
                 self.anchors[event.anchor] = None  # an alias to what is still open is recursive
             is_map = isinstance(event, yaml.MappingStartEvent)
@@ -368,17 +340,17 @@ class _Composer:
         elif isinstance(event, yaml.AliasEvent):
             self._alias(str(event.anchor), place)
         elif isinstance(event, yaml.DocumentStartEvent) and self.root is not None:
-            raise _Stop("the file contains more than one document", place)
+            raise self._fault("the file contains more than one document", place)
 
     def _alias(self, anchor: str, place: Place) -> None:
         if anchor not in self.anchors:
-            raise _Stop(f"the alias *{anchor} has no anchor", place)
+            raise self._fault(f"the alias *{anchor} has no anchor", place)
         anchored = self.anchors[anchor]
         if anchored is None:
-            raise _Stop(f"the alias *{anchor} is inside the node that it refers to", place)
+            raise self._fault(f"the alias *{anchor} is inside the node that it refers to", place)
         node, visits, depth = anchored
         if len(self.open) + depth > MAX_DEPTH:
-            raise _Stop(_TOO_DEEP, place)
+            raise self._fault(_TOO_DEEP, place)
         self._add(node, None, visits, depth)
 
     def _add(self, node: Node, anchor: str | None, visits: int, depth: int) -> None:
@@ -393,15 +365,15 @@ class _Composer:
         parent.depth = max(parent.depth, depth)
         if parent.visits > MAX_VISITS:
             limit = f"the document has more nodes than the limit of {MAX_VISITS}"
-            raise _Stop(limit, node.place, "aliases count each time that they are used")
+            raise self._fault(limit, node.place, "aliases count each time that they are used")
 
     def _map(self, done: _Open) -> Map:
         entries: dict[str, tuple[Scalar, Node]] = {}
         for key, value in zip(done.children[::2], done.children[1::2], strict=True):
             if not isinstance(key, Scalar):
-                raise _Stop(f"a key must be text, not {describe(key)}", key.place)
+                raise self._fault(f"a key must be text, not {describe(key)}", key.place)
             first = entries.setdefault(key.text, (key, value))[0]
             if first is not key:
                 message = f"the key {shown(key.text)} is repeated, first in line {first.place.line}"
-                self._report(message, key.place)
+                self.problems += self._fault(message, key.place).problems
         return Map(tuple(entries.values()), done.place)

@@ -10,14 +10,15 @@ import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import takewhile
 from typing import Any
 
 import yaml
 
-from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.common.problems import Place
 
-_COMMENT = re.compile(r"(?:^|(?<=\s))#")
+LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+_COMMENT = re.compile(r"(?:^|(?<=\s))#(?=([^\n]*))")
 
 
 @dataclass
@@ -44,33 +45,10 @@ class Span:
         return next((value for name, value in self.entries() if name.text == key), None)
 
 
-def spans(text: str, name: str) -> Span | None:
-    """Return the root of a text that was read without a problem.
-
-    Returns:
-        ``None`` for a text that holds no document.
-
-    Raises:
-        EddiError: the Python parser of YAML takes less than the one that read it first (K001).
-    """
-    try:
-        return _root(text)
-    except yaml.MarkedYAMLError as failure:
-        mark = failure.problem_mark or failure.context_mark
-        place = Place(name) if mark is None else Place(name, mark.line + 1, mark.column + 1)
-        raise EddiError(problem("K001.readers", place, reason=failure.problem)) from None
-    except yaml.reader.ReaderError as failure:
-        before = text[: failure.position].split("\n")
-        place = Place(name, len(before), len(before[-1]) + 1)
-        raise EddiError(
-            problem("K001.character", place, character=chr(failure.character))
-        ) from None
-
-
-def _root(text: str) -> Span | None:
+def spans(text: str) -> Span | None:
+    """Return the root of a text that was read without a problem, ``None`` for no document."""
     stack: list[Span] = []
-    # the Python parser, whose marks count characters; a configuration is small
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+    for event in yaml.parse(text, Loader=LOADER):
         start: Any = event.start_mark
         end: Any = event.end_mark
         span = Span(start.index, start.index, start.line + 1)
@@ -105,28 +83,13 @@ def _root(text: str) -> Span | None:
     return None
 
 
-def comments(text: str, span: Span, start: int, end: int) -> list[int]:
-    """Return the lines between two offsets that hold a comment (counted from 1)."""
-    lines = (text.count("\n", 0, at) + 1 for at in _comment_starts(text, span, start, end))
-    return list(dict.fromkeys(lines))
-
-
-def comment_texts(text: str, span: Span, start: int, end: int) -> list[str]:
-    """Return the comments between two offsets, each to the end of its line."""
-    texts: list[str] = []
-    done = start
-    for at in _comment_starts(text, span, start, end):
-        if at >= done:  # not a "#" inside of a comment
-            texts.append(text[at:].partition("\n")[0].rstrip())
-            done = at + len(texts[-1])
-    return texts
-
-
-def _comment_starts(text: str, span: Span, start: int, end: int) -> Iterator[int]:
-    inside = sorted(span.scalars)
+def comments(text: str, span: Span, start: int, end: int) -> dict[int, str]:
+    """Return the comments between two offsets by their lines (counted from 1)."""
+    comments: dict[int, str] = {}
     for match in _COMMENT.finditer(text, start, end):
-        if not any(first <= match.start() < last for first, last in inside):
-            yield match.start()
+        if not any(first <= match.start() < last for first, last in span.scalars):
+            comments.setdefault(text.count("\n", 0, match.start()) + 1, f"#{match[1]}".rstrip())
+    return comments
 
 
 class TextEditor:
@@ -165,100 +128,43 @@ class TextEditor:
         return text + self.text[done:]
 
 
-_LONG_ESCAPES = {"x": 4, "u": 6, "U": 10}
-_LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
-_FOLD = re.compile("(?:[ \t]*(?:\r\n|[\n\r\x85\u2028\u2029]))+[ \t]*")
-_BLOCK = re.compile(r"(?P<style>[|>])[-+]?(?P<indent>[1-9])?")
+_BLANKS = " \t\n\r\x85\u2028\u2029"
+_HEAD_OF_BLOCK = re.compile(f"[|>][^\n\r\x85\u2028\u2029]*(?:{LINE_END.pattern}|$)")
+_CHARACTERS = {
+    "'": re.compile(f"''|[^{_BLANKS}]"),
+    '"': re.compile(rf"\\(?:{LINE_END.pattern}|x.{{2}}|u.{{4}}|U.{{8}}|.)|[^{_BLANKS}]", re.DOTALL),
+}
+"""Quote -> what is written for one character that is not blank, perhaps also for one that is."""
+_BLANK_ESCAPE = re.compile(
+    rf"\\(?:[{_BLANKS}tnrNLP]|[xuU]0*(?:20|9|a|d|85|2028|2029))", re.IGNORECASE
+)
 
 
-def inside_scalar(text: str, start: Place) -> Callable[[int], Place]:
-    """Return offset in a scalar's value -> place in the file.
+def inside_scalar(text: str, start: Place, value: str) -> Callable[[int], Place]:
+    """Return offset in a scalar's value -> place in the file, exact for all that is not blank.
 
-    Quotes, escapes, folded and literal blocks are followed (YAML 1.2, chapters 7 and 8).
+    In every style a value has the same characters as its text, except for blanks and line ends.
     """
-    if start.line is None or start.col is None or not text:
+    line_starts = [0, *(match.end() for match in LINE_END.finditer(text))]
+    if start.line is None or start.col is None or start.line > len(line_starts) or not text:
         return lambda _: start
-    begins = [0, *(match.end() for match in _LINE_END.finditer(text))]
-    if start.line > len(begins):
-        return lambda _: start
-    places = list(_characters(text, begins[start.line - 1], start.col - 1))
+    begin = line_starts[start.line - 1] + start.col - 1
+    head = _HEAD_OF_BLOCK.match(text, begin)
+    pattern = _CHARACTERS.get(text[begin : begin + 1])
+    begin = head.end() if head is not None else begin + (pattern is not None)
+    pattern = re.compile(f"[^{_BLANKS}]") if pattern is None else pattern
+    written = (m for m in pattern.finditer(text, begin) if not _BLANK_ESCAPE.fullmatch(m[0]))
+    offsets: list[int] = []
+    behind = begin
+    for char in value:
+        match = next(written, None) if char not in _BLANKS else None
+        offsets.append(behind if match is None else match.start())
+        behind = behind if match is None else match.end()
+    offsets.append(behind)
 
     def of(offset: int) -> Place:
-        place = places[min(offset, len(places) - 1)] if places else 0
-        line = bisect_right(begins, place)
-        return replace(start, line=line, col=place - begins[line - 1] + 1)
+        place = offsets[min(offset, len(offsets) - 1)]
+        line = bisect_right(line_starts, place)
+        return replace(start, line=line, col=place - line_starts[line - 1] + 1)
 
     return of
-
-
-def yaml_lines(text: str) -> list[str]:
-    """Return the lines of a text as libyaml counts them, without their ends."""
-    return _LINE_END.split(text)
-
-
-def _characters(text: str, begin: int, col: int) -> Iterator[int]:
-    """Yield the offset of each character of the value, then that behind it."""
-    block = _BLOCK.match(text, begin + col)
-    if block is None:
-        quote = text[begin + col : begin + col + 1]
-        return _flow(text, begin + col, quote if quote in ("'", '"') else "")
-    line = text[begin : begin + col]
-    parent = len(line) - len(line.lstrip(" \t"))
-    while dash := re.match(r"-[ \t]+(?=\S)", line[parent:]):  # the entries that hold it
-        parent += dash.end()
-    parent = parent if parent < col else -1
-    indent = parent + int(block["indent"]) if block["indent"] else None
-    end = _LINE_END.search(text, block.end())
-    first = end.end() if end is not None else len(text)
-    return _block(text, first, parent + 1, indent, folded=block["style"] == ">")
-
-
-def _flow(text: str, at: int, quote: str) -> Iterator[int]:
-    """Yield the characters of a plain or quoted scalar."""
-    at += len(quote)
-    while at < len(text):
-        is_escape = quote == '"' and text[at] == "\\"
-        fold = _FOLD.match(text, at + is_escape)
-        if fold is not None:  # one line end is a blank, or nothing behind an escape
-            ends = [end.start() for end in _LINE_END.finditer(text, at, fold.end())]
-            yield from ends[1:] if is_escape or len(ends) > 1 else [at]
-            at = fold.end()
-            continue
-        yield at
-        if is_escape:
-            at += _LONG_ESCAPES.get(text[at + 1 : at + 2], 2)
-        elif quote == "'" and text.startswith("''", at):
-            at += 2
-        elif text[at] == quote:
-            return
-        else:
-            at += 1
-
-
-def _block(text: str, begin: int, least: int, indent: int | None, *, folded: bool) -> Iterator[int]:
-    """Yield the characters of a literal or folded block scalar, with every line end at its end."""
-    lines, at = yaml_lines(text[begin:]), begin
-    if indent is None:
-        blank = list(takewhile(lambda line: not line.strip(" "), lines))
-        first = lines[len(blank) : len(blank) + 1]
-        indent = max([least, *map(len, blank), *map(_spaces, first)])
-    empty = [len(line) <= indent and not line.strip(" ") for line in lines]
-    below = [""] * len(lines)  # for each line the next one that is not empty
-    for number in range(len(lines) - 1, 0, -1):
-        below[number - 1] = below[number] if empty[number] else lines[number]
-    for number, line in enumerate(lines):
-        if not empty[number] and _spaces(line) < indent:
-            return
-        if not empty[number]:
-            yield from range(at + indent, at + len(line))
-        behind = below[number]
-        goes_on = folded and _spaces(behind) >= indent and len(behind) > indent
-        is_folded = goes_on and not empty[number] and not {line[indent], behind[indent]} & {*" \t"}
-        if not (is_folded and empty[number + 1]):
-            yield at + len(line)
-        end = _LINE_END.match(text, at + len(line))
-        at = end.end() if end is not None else len(text)
-
-
-def _spaces(text: str) -> int:
-    return len(text) - len(text.lstrip(" "))

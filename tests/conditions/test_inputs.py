@@ -7,7 +7,7 @@ import pytest
 from eddi_runtime.expressions.expression import Expression
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.conditions.inputs import ExpressionText, compile_input
+from eddi_scaffold.conditions.analysis import ExpressionText, compile_input
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, Variable
 from runtime_lib.tests.event.event_models import expression as expression_of
 

@@ -44,7 +44,7 @@ OF_KNOWN_VARIABLES = r"""
 1:8 E005.short_window | MAX(x, 50ms) > 1
 1:1 E006.unknown_function | MAXX(x, 5s) > 1
 1:1 E006.arguments | ABS(x, y) > 1
-1:1 E006.one_argument | MAX(x, 5s, 3) > 1
+1:12 E001.word | MAX(x, 5s, 3) > 1
 1:1 E006.bounds | HYSTERESIS(x, 5, 5)
 1:3 E007.comparison | x == a
 1:1 E007.operand | a + x > 1
@@ -84,23 +84,20 @@ OF_DECLARATIONS = r"""
 1:39 E013.number_in_unit | VAR v : NUMBER UNIT mm TIMEOUT 1s v > 1e308 km
 1:5 W003.variable + 1:30 E013.bounds | VAR v : NUMBER UNIT mm RANGE 0 .. 1e308 km
 1:21 E001.rate | VAR v : NUMBER RATE 10
-1:16 E001.variable_option | VAR v : NUMBER TIMOUT 1s
-1:16 E001.variable_option | VAR v : NUMBER UNITS m
-1:22 E001.word | VAR v : NUMBER ALLOW NAN
-2:1 E001.word + 2:5 W003.variable | VAR v : NUMBER UNIT\nVAR w : BOOL
+1:5 W003.variable + 1:23 E001.rest | VAR v : NUMBER TIMOUT 1s
+1:25 E008.unknown_variable | VAR v : BOOL TIMEOUT 1s UNIT\nVAR w : BOOL TIMEOUT 1s
 1:10 E001.word | EVENT e (MAYBE) := TRUE
 1:13 E008.two_meanings | ENUM E { A, A } VAR v : E TIMEOUT 1s
 1:3 E001.index_or_key | x[1.5] > 2
-1:11 E008.elsewhere | x > 1 AND x
+1:11 E007.operand | x > 1 AND x
 1:37 E007.order | ENUM E { A } VAR v : E TIMEOUT 1s v < A
 """
 OF_USED_NAMES = r"""
-1:14 E001.variable_option + 2:5 W003.variable | VAR v : BOOL TIMOUT 1s\nVAR w : BOOL\nv
 1:25 E008.unknown_variable | VAR v : BOOL TIMEOUT 1s rate > 3
 1:25 E005.range | AVERAGE(x, 5s, COVERAGE 2) > 1
 2:1 E008.unknown_variable | VAR x : NUMBER TIMEOUT 1s\ny > 1
 1:1 E007.list | scan.ranges[*] > 1
-1:21 E006.list_duration | MIN(scan.ranges[*], 5s) > 1
+1:21 E001.word | MIN(scan.ranges[*], 5s) > 1
 1:1 E007.two_messages | MIN(a.x[*] + b.y[*]) > 1
 1:1 E007.two_lists | MIN(a.x[*] + a.b.y[*]) > 1
 1:1 E007.two_lists | MIN(a.x[*] + a.y[1..2]) > 1
@@ -112,7 +109,7 @@ OF_USED_NAMES = r"""
 1:5 E007.objection | MIN(MIN(a.x[*]) + a.x[*]) > 1
 1:26 E006.length | MIN(a.x[*], LENGTH 5 .. 2) > 1
 1:22 E005.range | MIN(a.x[*], COVERAGE 0) > 1
-1:25 E006.repeated | MIN(a.x[*], COVERAGE 1, COVERAGE 1) > 1
+1:25 E001.word | MIN(a.x[*], COVERAGE 1, COVERAGE 1) > 1
 1:13 E001.word | MIN(a.x[*], SOME 1) > 1
 1:20 E009.sector | MIN(a.x[*], SECTOR 0 .. 1) > 1
 1:20 E009.sector | MIN(a.x[*], SECTOR -1 .. 1 rad) > 1

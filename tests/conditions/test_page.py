@@ -75,7 +75,6 @@ def test_check_shows_the_place_of_an_error(port: int) -> None:
     assert "No errors." in text
     _, _, text = send(port, "/check", text="x > 1 > 2", rate="10")
     assert "1:7 comparisons do not chain [E001]" in text
-    assert "<pre>x &gt; 1 <mark>&gt;</mark> 2\n      ^</pre>" in text
     assert 'data-at="6"' in text
     _, _, text = send(port, "/check", text="x > 1", rate="often")
     assert "the rate &#x27;often&#x27; is not a number" in text

@@ -174,11 +174,3 @@ def test_all_else_stays_and_a_second_run_changes_nothing(
     assert text.startswith(old.text[: old.start])
     assert text.endswith(old.text[old.end :])
     assert rewritten(document(text), unique)[0] == text
-
-
-def test_what_only_one_parser_of_yaml_takes_is_refused_with_its_place() -> None:
-    text = b"SimulatorOutputs:\n  - {id: <?x?>, topic: /x}\n"
-    with pytest.raises(EddiError) as refused:
-        read_block(Source("f.yml", text))
-    (problem,) = refused.value.problems
-    assert (problem.code, problem.place.line, problem.place.col) == ("K001", 2, 14)

@@ -9,8 +9,8 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.config.file import undecided
 from eddi_scaffold.config.topic_block import ConfigText, read_block
-from eddi_scaffold.config.values import undecided
 from eddi_scaffold.connect.draft import Age, entry, recorded_age
 from eddi_scaffold.connect.keeping import Draft, text_of, with_draft
 from eddi_scaffold.connect.matching import decide

@@ -14,8 +14,7 @@ from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, has_errors
 from eddi_scaffold.conditions.analysis import analyse
-from eddi_scaffold.conditions.report import as_json, as_text
-from eddi_scaffold.conditions.standalone import generate
+from eddi_scaffold.conditions.standalone import as_json, as_text, generate
 from eddi_scaffold.config.topic_block import read_block, rewritten
 from eddi_scaffold.connect.draft import entry
 from eddi_scaffold.connect.keeping import Draft, topics_of, with_draft

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.conditions.inputs import ExpressionText, compile_input
+from eddi_scaffold.conditions.analysis import ExpressionText, compile_input
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     CategoricalDimension,

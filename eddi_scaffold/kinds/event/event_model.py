@@ -10,7 +10,7 @@ from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Mea
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.conditions.report import cost_line
+from eddi_scaffold.conditions.standalone import cost_line
 from eddi_scaffold.conditions.tokens import line_and_column
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts
 from eddi_scaffold.eddi_xml.document import EddiDocument
