@@ -20,9 +20,8 @@ from eddi_runtime.expressions import (
 
 from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.program.instructions import BUFFERED, WINDOWS, Read
-from eddi_scaffold.program.kept_bodies import HEADER, region
 from eddi_scaffold.program.python_step import CLASSES, class_lines
-from eddi_scaffold.program.standalone import StandaloneMonitor
+from eddi_scaffold.program.standalone import HEADER, StandaloneMonitor, region
 from eddi_scaffold.program.three_valued import BoolVal, NumVal
 
 _NOQA = re.compile(r"\s*# noqa.*$", re.MULTILINE)

@@ -3,13 +3,13 @@
 import re
 
 from eddi_scaffold.program import instructions
-from eddi_scaffold.program.builder import SIGNATURES
 from eddi_scaffold.program.c_step import CStep
 from eddi_scaffold.program.instructions import (
     BOOL,
     FILTERS,
     LEAVES,
     NUMBER,
+    SIGNATURES,
     TEXT,
     Interval,
     Operation,

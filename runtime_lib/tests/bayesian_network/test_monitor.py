@@ -15,7 +15,7 @@ from eddi_runtime.bayesian_network import outputs as out
 from eddi_runtime.bayesian_network.evidence import EvidenceError
 
 from eddi_scaffold.kinds.bayesian_network import inference_plan
-from eddi_scaffold.kinds.bayesian_network.asking import InconsistentEvidenceError, posteriors
+from eddi_scaffold.kinds.bayesian_network.cross_check import InconsistentEvidenceError, posteriors
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
     give,
