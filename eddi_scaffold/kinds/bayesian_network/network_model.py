@@ -61,6 +61,11 @@ _LEGEND = (
     LegendEntry("neither", "table", "neutral"),
 )
 _SHOWN = 6
+_ON_EVIDENCE = (
+    "Evidence holds for every state that unknown inputs may have; of what is not known, only a "
+    "prior that the configuration accepts by name counts. The posteriors themselves are no "
+    "evidence. After a step in Python, `EDDIMonitor.monitor.claims()` returns it."
+)
 
 
 @dataclass(frozen=True)
@@ -227,9 +232,8 @@ class NetworkModel(kinds.Model):
             for names in (options.outputs, options.observed)
         )
         text = (
-            f"Outputs: {outputs}. Observed by declaration: "
-            f"{observed or 'none (write the methods)'}. A missing input leaves its node unobserved; the "
-            "posterior is exact for what is known."
+            f"Outputs: {outputs}. Observed by declaration: {observed or 'none (write the methods)'}"
+            ". A missing input leaves its node unobserved; the posterior is exact for what is known."
         )
         lines = [
             "## Network",
@@ -240,13 +244,8 @@ class NetworkModel(kinds.Model):
         ]
         if not options.thresholds:
             return lines
-        text = (
-            "Evidence holds for every state that unknown inputs may have; of what is not known, only "
-            "a prior that the configuration accepts by name counts. The posteriors themselves are no "
-            "evidence. After a step in Python, `EDDIMonitor.monitor.claims()` returns it."
-        )
         rows = [f"| `{entry.id}` | {entry.text()} |" for entry in options.thresholds]
-        return [*lines, "", text, "", "| evidence | active while |", "|---|---|", *rows]
+        return [*lines, "", _ON_EVIDENCE, "", "| evidence | active while |", "|---|---|", *rows]
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)
