@@ -61,6 +61,7 @@ _LEGEND = (
     LegendEntry("neither", "table", "neutral"),
 )
 _SHOWN = 6
+_NONE = "none (write the methods)"
 _ON_EVIDENCE = (
     "Evidence holds for every state that unknown inputs may have; of what is not known, only a "
     "prior that the configuration accepts by name counts. The posteriors themselves are no "
@@ -232,8 +233,8 @@ class NetworkModel(kinds.Model):
             for names in (options.outputs, options.observed)
         )
         text = (
-            f"Outputs: {outputs}. Observed by declaration: {observed or 'none (write the methods)'}"
-            ". A missing input leaves its node unobserved; the posterior is exact for what is known."
+            f"Outputs: {outputs}. Observed by declaration: {observed or _NONE}. "
+            "A missing input leaves its node unobserved; the posterior is exact for what is known."
         )
         lines = [
             "## Network",

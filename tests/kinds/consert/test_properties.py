@@ -29,8 +29,7 @@ from eddi_scaffold.kinds.consert.consert import (
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.read_yaml import read_yaml
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
-from tests.kinds.consert.example import ROVER
-from tests.kinds.consert.running import monitor_of
+from tests.kinds.consert.example import ROVER, monitor_of
 
 pytestmark = pytest.mark.slow
 
