@@ -5,7 +5,6 @@ from copy import deepcopy
 from random import Random
 from typing import Any
 
-from eddi_scaffold.kinds import kinds
 from tests.deployments.pool.readings import NUMBERS, SOURCES, TEXTS, Leaf, Reading
 from tests.deployments.pool.templates import Config, Slot, Template, dump
 
@@ -43,9 +42,6 @@ def scopes() -> Iterator[Template]:
         yield Template(name, "safeml", files, (slot,), {"scope": "/status", "verdict": ""})
 
 
-HAS_THRESHOLDS = "evidence" in kinds()["bayesian_network"].options
-"""Whether a network can say itself what of it is evidence."""
-
 ROWS = ("0.9 0.1  0.4 0.6  0.2 0.8  0.05 0.95", "0.8 0.2  0.1 0.9  0.3 0.7  0.02 0.98")
 """P(High, Low | Near, Human): of two tables, each with a probability above 0 for every state."""
 THRESHOLDS: Sequence[Mapping[str, Any]] = (
@@ -81,8 +77,8 @@ OBSERVED: Mapping[str, tuple[Reading, Mapping[str, Any], Any]] = {
 
 
 def networks(count: int) -> Iterator[Template]:
-    """Yield networks with a threshold; none as long as the product has no such key."""
-    for number in range(count if HAS_THRESHOLDS else 0):
+    """Yield networks with a threshold."""
+    for number in range(count):
         rng = Random(f"network {number}")
         threshold = THRESHOLDS[number % len(THRESHOLDS)]
         ways = {node: rng.choice(list(OBSERVED)) for node in ("Near", "Human")}
