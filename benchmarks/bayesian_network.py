@@ -34,8 +34,8 @@ from benchmarks.bayesian_network_peers import Evidence, Net  # noqa: E402
 from benchmarks.timing import per_call  # noqa: E402
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network  # noqa: E402
 from eddi_scaffold.kinds.bayesian_network.inference_plan import Width, width_of  # noqa: E402
+from eddi_scaffold.kinds.bayesian_network.network import Shape  # noqa: E402
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions  # noqa: E402
-from eddi_scaffold.kinds.bayesian_network.structure import Shape  # noqa: E402
 from eddi_scaffold.program.input_expressions import BoundInput  # noqa: E402
 from eddi_scaffold.program.monitor_text import Declaration  # noqa: E402
 from eddi_scaffold.program.running import module_of  # noqa: E402

@@ -180,7 +180,7 @@ def _write(
 ) -> None:
     """Write the files, or print them: the only one as it is, several as JSON."""
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.program.kept_bodies import keep_in_folder
+    from eddi_scaffold.program.standalone import keep_in_folder
 
     lost: list[str] = []
     if output is not None:

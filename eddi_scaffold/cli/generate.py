@@ -114,7 +114,7 @@ def _generate_fleet(
 ) -> None:
     """Write a workspace for each robot of a deployment file, and one for the station."""
     from eddi_scaffold.config.deployment_file import is_fleet
-    from eddi_scaffold.deployments.sites import sites_of
+    from eddi_scaffold.deployments.fleet_checks import sites_of
     from eddi_scaffold.monitors.loading import checked_models
     from eddi_scaffold.packages.fleets import open_inputs, places_of, write_sites
     from eddi_scaffold.packages.handwritten import without_written_inputs

@@ -132,7 +132,7 @@ def pictures_of(paths: Sequence[Path]) -> Pictures:
 def _models(path: Path) -> Sequence[Model]:
     from eddi_scaffold.common.files import read_source
     from eddi_scaffold.config.deployment_file import is_fleet
-    from eddi_scaffold.deployments.sites import sites_of
+    from eddi_scaffold.deployments.fleet_checks import sites_of
     from eddi_scaffold.monitors.loading import checked_models, is_config
     from eddi_scaffold.packages.assembly import monitors_of
 

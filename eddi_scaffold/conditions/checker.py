@@ -13,8 +13,7 @@ from eddi_scaffold.conditions.lists import Elements, elements_of, reduced
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Scope, Type, arguments_of, result_of
 from eddi_scaffold.conditions.syntax import OPERATORS, EventDeclaration, File, SyntaxNode, word_of
 from eddi_scaffold.conditions.tokens import Refused, TextFindings
-from eddi_scaffold.program.builder import MAX_CAPACITY
-from eddi_scaffold.program.instructions import BUFFERED
+from eddi_scaffold.program.instructions import BUFFERED, MAX_CAPACITY
 from eddi_scaffold.program.instructions import WINDOWS as WINDOW_OPS
 
 _ORDER = ("lt", "le", "gt", "ge")

@@ -8,12 +8,12 @@ from operator import add, eq, ge, gt, le, lt, mul, ne, sub
 from typing import Any
 
 from eddi_scaffold.conditions.syntax import OPERATORS
-from eddi_scaffold.program.builder import SIGNATURES
 from eddi_scaffold.program.instructions import (
     BOOL,
     BUFFERED,
     ENUM,
     NUMBER,
+    SIGNATURES,
     WINDOWS,
     Operation,
     Program,

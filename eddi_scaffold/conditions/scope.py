@@ -20,7 +20,7 @@ from eddi_scaffold.conditions.syntax import (
     VarDeclaration,
 )
 from eddi_scaffold.conditions.tokens import TextFindings
-from eddi_scaffold.program.builder import SIGNATURES
+from eddi_scaffold.program.instructions import SIGNATURES
 from eddi_scaffold.program.lists import TRUTHS, Reduction
 
 

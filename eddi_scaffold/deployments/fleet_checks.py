@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Problem, has_errors, problem
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import OutputEntry, SimulatorOutput
-from eddi_scaffold.deployments.fleet import Fleet, among_others, read_whole_fleet
+from eddi_scaffold.deployments.fleet import (
+    Fleet,
+    among_others,
+    check_station,
+    digests_of,
+    is_closed,
+    read_whole_fleet,
+    with_station,
+)
 from eddi_scaffold.deployments.joining import packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.offers import RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, GuaranteeSource, with_demand_inputs
-from eddi_scaffold.deployments.station import check_station, is_closed
 from eddi_scaffold.deployments.support import WiredMonitor, wired
 from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
@@ -25,6 +32,7 @@ from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.monitors.robots import fleet_message
+from eddi_scaffold.platforms import Platform
 
 
 def read_directly(fleet: Fleet, monitor: RobotMonitor) -> ConfigFile:
@@ -157,3 +165,57 @@ def _check_ages(fleet: Fleet) -> Iterator[Problem]:
                 if limit < age:
                     names = {"demand": demand, "source": provider.name, "user": user.name}
                     yield problem("D015", place, limit=limit, age=age, **names)
+
+
+@dataclass(frozen=True, eq=False)
+class Site:
+    """The workspace or folder of one robot."""
+
+    robot: FleetRobot  # its name is that of the folder
+    monitors: tuple[BoundMonitor, ...]  # with the configurations that they have on it
+
+    @property
+    def name(self) -> str:
+        """Name of the robot, and of the folder."""
+        return self.robot.name
+
+    @property
+    def platform(self) -> Platform:
+        """Where the monitors run."""
+        return self.robot.platform
+
+    def next_steps(self, place: Path) -> Sequence[str]:
+        """Return shell commands that build the workspace and start the monitors."""
+        packages = [monitor.package for monitor in self.monitors]
+        meeting, robot = self.platform.meeting, self.robot
+        if meeting is None or robot.graph is None:
+            return self.platform.next_steps(place, packages)
+        return meeting.next_steps(robot.graph, place, robot.form.prefix, packages)
+
+
+def sites_of(
+    source: Source, read: Callable[[Path], ReadResult]
+) -> tuple[list[Site], list[Problem]]:
+    """Return what is to be generated, and the warnings.
+
+    Raises:
+        EddiError: it, or what it names, has errors.
+    """
+    fleet, problems = read_whole_fleet(source, read)
+    if fleet is None:
+        raise EddiError(*problems)
+    problems = problems_of(fleet, problems)
+    if has_errors(problems):
+        raise EddiError(*problems)
+    closed = is_closed(fleet)
+    fleet = with_station(fleet)
+    digests = digests_of(fleet)
+    sites = []
+    for robot in fleet.robots:
+        monitors, reported = fleet.bound_monitors(
+            robot, lambda monitor: among_others(fleet, monitor, digests, closed=closed)
+        )
+        if has_errors(reported):
+            raise EddiError(*reported)
+        sites.append(Site(robot, tuple(monitors)))
+    return sites, problems

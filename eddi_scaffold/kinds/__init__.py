@@ -109,10 +109,6 @@ class DeclaredInput:
     messages: tuple[str, ...] = ()
 
 
-def _nowhere(*_: str | int) -> Place:
-    return Place()
-
-
 @dataclass(frozen=True)
 class Options:
     """Options that a configuration gives to a kind; without a configuration, the defaults."""
@@ -125,7 +121,7 @@ class Options:
     # of each output, the part of the result that it publishes; `None` for all
     parts: tuple[str | None, ...] = ()
     # path into `values` (`"outputs", 0`) -> its place, or that of what encloses it
-    place: Callable[..., Place] = _nowhere
+    place: Callable[..., Place] = lambda *_: Place()
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.deployments.sites import Site
+from eddi_scaffold.deployments.fleet_checks import Site
 from eddi_scaffold.packages.assembly import assemble
 from eddi_scaffold.packages.generation import WriteResult, write_packages
 from eddi_scaffold.packages.handwritten import unwritten

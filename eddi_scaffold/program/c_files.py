@@ -14,8 +14,7 @@ from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.program.c_step import CStep, int64
 from eddi_scaffold.program.instructions import MAX_NS, Read
-from eddi_scaffold.program.kept_bodies import HEADER, region
-from eddi_scaffold.program.standalone import StandaloneMonitor, unique_names
+from eddi_scaffold.program.standalone import HEADER, StandaloneMonitor, region, unique_names
 
 _TYPES = {"number": "double ", "text": "const char *"}
 _UNKNOWN = {"number": "NAN", "bool": "EVENT_UNKNOWN", "enum": "-1", "text": "NULL"}

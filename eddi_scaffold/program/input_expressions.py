@@ -10,8 +10,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from eddi_scaffold.program.builder import Builder, joined
-from eddi_scaffold.program.instructions import BOOL, Operation, Program, Read, Sampling
+from eddi_scaffold.program.instructions import (
+    BOOL,
+    Builder,
+    Operation,
+    Program,
+    Read,
+    Sampling,
+    joined,
+)
 from eddi_scaffold.program.python_step import Printer, names_of, stamp_name
 from eddi_scaffold.program.python_text import (
     Part,

@@ -6,6 +6,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterable
 from functools import cache
+from importlib.resources import files
 
 from eddi_runtime.expressions import (
     Conditions,
@@ -20,9 +21,8 @@ from eddi_runtime.expressions import (
 
 from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.program.instructions import BUFFERED, WINDOWS, Read
-from eddi_scaffold.program.kept_bodies import HEADER, region
 from eddi_scaffold.program.python_step import CLASSES, class_lines
-from eddi_scaffold.program.standalone import StandaloneMonitor
+from eddi_scaffold.program.standalone import HEADER, StandaloneMonitor, region
 from eddi_scaffold.program.three_valued import BoolVal, NumVal
 
 _NOQA = re.compile(r"\s*# noqa.*$", re.MULTILINE)
@@ -31,48 +31,6 @@ _MODULES = {
 }
 """In the order of the library: a base class comes first."""
 _TYPES = {"number": "NumVal", "bool": "BoolVal", "enum": "str", "text": "str"}
-_CONVERSIONS = '''\
-def as_number(value):
-    """Return a number, NaN for UNKNOWN."""
-    if isinstance(value, NumVal):
-        return value.number
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return NAN
-    try:
-        return float(value)
-    except OverflowError:
-        return NAN
-
-
-def as_truth(value):
-    """Return 0, 1 or 2."""
-    if isinstance(value, BoolVal):
-        return value.truth
-    return (2 if value else 0) if isinstance(value, bool) else 1
-
-
-def as_literal(value, literals):
-    """Return the number of a literal, -1 for UNKNOWN."""
-    return literals.index(value) if isinstance(value, str) and value in literals else -1
-
-
-def as_sample(value, t_ns):
-    """Return a value and when it was sampled."""
-    if isinstance(value, tuple) and len(value) == 2:
-        return value[0], t_ns if value[1] is None else value[1]
-    return value, t_ns
-
-
-'''
-_SAMPLES = '''\
-def as_samples(values, t_ns):
-    """Return a list and when it was sampled."""
-    if isinstance(values, tuple) and len(values) == 2 and hasattr(values[0], "__len__"):
-        return values[0], t_ns if values[1] is None else values[1]
-    return values, t_ns
-
-
-'''
 
 
 def python_module(model: StandaloneMonitor) -> dict[str, str]:
@@ -177,8 +135,10 @@ def _main(model: StandaloneMonitor) -> str:
         for k, result in enumerate(model.program.results):
             results += [f"            {python_literal(result.id)}: BoolVal.of(values[{k}]),"]
         results += ["        }"]
-    return f'''{_title(4, "Main")}{_CONVERSIONS}{_SAMPLES if model.has_lists else ""}\
-class Monitor(Variables):
+    conversions = f"{files(__package__).joinpath('conversions.txt').read_text('utf-8')}\n\n"
+    if not model.has_lists:
+        conversions = conversions.partition("def as_samples(")[0]
+    return f'''{_title(4, "Main")}{conversions}class Monitor(Variables):
     """The monitor: reads the variables, evaluates, calls what is raised."""
 
     def __init__(self):

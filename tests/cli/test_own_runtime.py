@@ -22,7 +22,7 @@ for words in (
         main()
     except SystemExit as end:
         assert end.code == 0, words
-import eddi_runtime.transports.dds, eddi_scaffold.kinds.bayesian_network.asking
+import eddi_runtime.transports.dds, eddi_scaffold.kinds.bayesian_network.cross_check
 import of_the_workspace  # message classes, for watch
 """
 

@@ -15,9 +15,8 @@ from hypothesis import settings
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.standalone import generate, monitor_model
-from eddi_scaffold.program.kept_bodies import keep_in_folder
 from eddi_scaffold.program.running import Engine
-from eddi_scaffold.program.standalone import module_name, unique_names
+from eddi_scaffold.program.standalone import keep_in_folder, module_name, unique_names
 from tests.conditions import c_program
 from tests.conditions.formulas import DECLARATIONS, recording
 from tests.interpreters import old_python

@@ -11,22 +11,16 @@ import yaml
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.messages import Message, blank
-from tests.deployments.history import History, Sample
-from tests.deployments.publishing import Publisher, resolved
-from tests.deployments.world import Deployment, Member
+from tests.deployments.world import Deployment, History, Member, Publisher, Sample, resolved
 
 
 @dataclass(frozen=True)
 class Case:
-    """One deployment on disk.
+    """One deployment on disk."""
 
-    Attributes:
-        content: what the file says, beside the models and configurations that were written out.
-        folder: where these are.
-    """
-
+    # what the file says, beside the models and configurations that were written out
     content: Mapping[str, Any]
-    folder: Path
+    folder: Path  # where these are
 
     @property
     def files(self) -> list[Path]:

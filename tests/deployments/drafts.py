@@ -9,12 +9,10 @@ from typing import Any, NamedTuple
 from eddi_runtime import Monitor as RunningMonitor
 
 from tests.deployments.cases import data_message
-from tests.deployments.history import History, Sample
 from tests.deployments.pool.readings import SOURCE_TYPES
 from tests.deployments.pool.stock import bound, compiled_once
 from tests.deployments.pool.templates import OUT, Template
-from tests.deployments.publishing import Publisher
-from tests.deployments.world import Deployment, Member
+from tests.deployments.world import Deployment, History, Member, Publisher, Sample
 
 TICK = 500
 END = 4500
@@ -22,17 +20,12 @@ END = 4500
 
 @dataclass(frozen=True)
 class Instance:
-    """One monitor of a draft.
-
-    Attributes:
-        topics: id of each simulator output -> topic.
-        out: where it publishes.
-    """
+    """One monitor of a draft."""
 
     name: str
     template: Template
-    topics: Mapping[str, str]
-    out: str
+    topics: Mapping[str, str]  # id of each simulator output -> topic
+    out: str  # where it publishes
     delay: int = 0
 
 
@@ -47,15 +40,10 @@ class Value(NamedTuple):
 
 @dataclass(frozen=True)
 class Draft:
-    """A deployment and what happens to it.
+    """A deployment and what happens to it."""
 
-    Attributes:
-        instances: in the order in which they step.
-        offers: topic of a source -> what it offers.
-    """
-
-    instances: tuple[Instance, ...]
-    offers: Mapping[str, str]
+    instances: tuple[Instance, ...]  # in the order in which they step
+    offers: Mapping[str, str]  # topic of a source -> what it offers
     values: tuple[Value, ...]
     history: History
 

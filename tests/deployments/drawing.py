@@ -7,11 +7,11 @@ from random import Random
 from typing import Any
 
 from tests.deployments.drafts import END, TICK, Draft, Instance, Value
-from tests.deployments.history import History
+from tests.deployments.pool.networks import FAR, USUAL
 from tests.deployments.pool.readings import NUMBERS, SOURCE_TYPES, TEXTS
-from tests.deployments.pool.scopes import FAR, USUAL
 from tests.deployments.pool.stock import doubting, offering, sound
 from tests.deployments.pool.templates import Slot, Template
+from tests.deployments.world import History
 
 SIZES = (2, 2, 3, 3, 4, 4, 5, 6)
 _STRANGE = {"flag": ("wrong",), "number": (float("nan"), float("inf"), 900.0, True), "text": (7,)}

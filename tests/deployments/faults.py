@@ -7,10 +7,9 @@ from random import Random
 from eddi_scaffold.recordings.node import Received
 from tests.deployments.drafts import END, Draft
 from tests.deployments.drawing import Wiring, draft_of, with_history
-from tests.deployments.history import History
 from tests.deployments.pool.stock import rings, sound, unsound
 from tests.deployments.pool.templates import Template
-from tests.deployments.world import MS, Member, Observer
+from tests.deployments.world import MS, History, Member, Observer
 
 
 class Latched(Observer):

@@ -52,17 +52,13 @@ Steps = Mapping[int, Claims]
 
 @dataclass
 class Check:
-    """The looks at one deployment.
-
-    Attributes:
-        faulty: makes the observer of the real world, for a fault that lies in no wiring.
-        worlds: how many completions to play.
-    """
+    """The looks at one deployment."""
 
     draft: Draft
     rng: Random
+    # makes the observer of the real world, for a fault that lies in no wiring
     faulty: Callable[[], Observer] = Observer
-    worlds: int = COMPLETIONS
+    worlds: int = COMPLETIONS  # how many completions to play
     count: Count = field(default_factory=Count)
 
     def __post_init__(self) -> None:

@@ -4,18 +4,133 @@ At a time come first restarts, then samples, then every monitor that is due, in 
 deployment. What one publishes, those behind it receive at once, those before it in their next step.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, NamedTuple
 
 from eddi_runtime import Monitor as RunningMonitor
 
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.recordings.messages import Message
+from eddi_scaffold.recordings.messages import Publications as ProductPublisher
 from eddi_scaffold.recordings.node import GivenInput, Received, ReplayedNode
 from eddi_scaffold.recordings.playing import compiled
-from tests.deployments.history import History
-from tests.deployments.publishing import Publisher
+
+
+class Sample(NamedTuple):
+    """A message of a source; latched: it came on subscription."""
+
+    t: int
+    topic: str
+    message: Message
+    latched: bool = False
+
+
+@dataclass(frozen=True)
+class History:
+    """What happens to a deployment."""
+
+    until: int
+    samples: tuple[Sample, ...] = ()
+    # name, from, to: the process does not run, and begins anew at the end
+    dead: tuple[tuple[str, int, int], ...] = ()
+    # time, name: it has forgotten everything, also what it had received
+    restarts: tuple[tuple[int, str], ...] = ()
+    # time, offset: the clock of the steps is set, ages of messages do not change
+    clock: tuple[tuple[int, int], ...] = ()
+    # who begins anew receives the last message of each topic whose publisher lives
+    latching: bool = False
+
+    def at(self, t: int) -> Sequence[Sample]:
+        """Return the samples of a time."""
+        return self._by_time.get(t, ())
+
+    @cached_property
+    def _by_time(self) -> Mapping[int, Sequence[Sample]]:
+        found: dict[int, list[Sample]] = {}
+        for sample in self.samples:
+            found.setdefault(sample.t, []).append(sample)
+        return found
+
+    def is_dead(self, name: str, t: int) -> bool:
+        """Tell whether a process does not run."""
+        return any(who == name and begin <= t < end for who, begin, end in self.dead)
+
+    def begins(self, name: str, t: int) -> bool:
+        """Tell whether a process begins anew."""
+        ends = any(who == name and end == t for who, _, end in self.dead)
+        return ends or (t, name) in self.restarts
+
+    def offset(self, t: int) -> int:
+        """Return by how much the clock of the steps is off."""
+        return sum(by for since, by in self.clock if since <= t)
+
+
+Published = Sequence[tuple[str, Message]]
+
+
+def resolved(topic: str, namespace: str = "") -> str:
+    """Return the full name of a topic, as ROS finds it for a node of a namespace."""
+    if topic.startswith("/"):
+        return topic
+    return f"/{namespace}/{topic}".replace("//", "/")
+
+
+class Publisher(ProductPublisher):
+    """The publications of one monitor in one namespace.
+
+    Attributes:
+        hazards: events whose `active` claims nothing, and whose absence does.
+    """
+
+    def __init__(
+        self, monitor: BoundMonitor, rename: Mapping[str, str], namespace: str = ""
+    ) -> None:
+        """Take over the outputs of the configuration.
+
+        Args:
+            rename: topic in the configuration -> another one, as a launch file remaps it.
+        """
+
+        def full(topic: str) -> str:
+            for old, new in rename.items():
+                if topic == old or topic.startswith(f"{old}/"):  # also what stands beside a result
+                    return resolved(new + topic.removeprefix(old), namespace)
+            return resolved(topic, namespace)
+
+        super().__init__(monitor, full)
+        self.hazards = _hazards(monitor)
+        claims = {"safeml": "status", "bayesian_network": "evidence"}.get(monitor.kind.name, "")
+        self._claiming = {one.topic for one in self.channels if one.of == claims}
+
+    def messages(self, running: RunningMonitor, output: Any, wanted: Collection[str]) -> Any:
+        """Return the messages of a step that somebody reads, and those that claim something."""
+        return super().messages(running, output, {*wanted, *self._claiming})
+
+    def claims(self, told: Published) -> Mapping[str, bool]:
+        """Return output -> whether what was published claims something good."""
+        found: dict[str, bool] = {}
+        for _, message in told:
+            kind = message.message_type.partition("/")[2]
+            if kind == "ConSertOutput":
+                found.update((one.id, one.active) for one in message.guarantees)
+            elif kind == "EventOutput":
+                hazard = message.id in self.hazards
+                found[message.id] = not message.active if hazard else message.active
+            elif kind in ("ReliabilityOutput", "BayesianNetworkEvidence"):
+                found.update((one.id, one.active) for one in message.evidence)
+            elif kind == "SafeMLStatus":
+                found["in_scope"] = message.in_scope
+        return found
+
+
+def _hazards(monitor: BoundMonitor) -> frozenset[str]:
+    if monitor.kind.name != "event":
+        return frozenset()
+    events = monitor.model.data.analysis.events
+    return frozenset(event.id for event in events if event.polarity == "HAZARD")
+
 
 MS = 1_000_000
 CLOCK_START = 1_000_000_000
@@ -24,21 +139,14 @@ CLOCK_START = 1_000_000_000
 
 @dataclass(frozen=True)
 class Member:
-    """One monitor of a deployment.
-
-    Attributes:
-        topics: id of each simulator output -> full name of its topic.
-        publisher: what it publishes, and what it claims.
-        every: its period.
-        delay: from its step until others receive what it published.
-    """
+    """One monitor of a deployment."""
 
     name: str
     monitor: BoundMonitor
-    topics: Mapping[str, str]
-    publisher: Publisher
-    every: int
-    delay: int = 0
+    topics: Mapping[str, str]  # id of each simulator output -> full name of its topic
+    publisher: Publisher  # what it publishes, and what it claims
+    every: int  # its period
+    delay: int = 0  # from its step until others receive what it published
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from eddi_scaffold.kinds.consert.consert import (
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
-from tests.kinds.consert.running import monitor_of
+from tests.kinds.consert.example import monitor_of
 from tests.metamodel.expected import FOLDER, cases, expected, models
 
 RELATIONS = {

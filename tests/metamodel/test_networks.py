@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.bayesian_network.asking import posteriors
+from eddi_scaffold.kinds.bayesian_network.cross_check import posteriors
 from eddi_scaffold.monitors.loading import read_models
 from tests.kinds.bayesian_network.networks import joined, running
 from tests.metamodel.expected import FOLDER, cases, models

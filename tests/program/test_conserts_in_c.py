@@ -14,8 +14,7 @@ from eddi_scaffold.kinds.consert.consert import (
     NumericDimension,
 )
 from eddi_scaffold.program.c_files import c_files
-from eddi_scaffold.program.kept_bodies import keep_in_folder
-from eddi_scaffold.program.standalone import named
+from eddi_scaffold.program.standalone import keep_in_folder, named
 from runtime_lib.tests.conserts import binary, categorical, consert, give, numeric
 from tests.conditions.c_program import SANITIZE, compile_c
 

@@ -8,8 +8,7 @@ from eddi_runtime.testing import inputs
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.options import ConSertOptions
-from tests.kinds.consert.oracle import as_source, oracle
-from tests.kinds.consert.running import monitor_of
+from tests.kinds.consert.example import as_source, monitor_of, oracle
 
 
 def monitor(name, limit=STRAIGHT_LINE_LIMIT, options=None):

@@ -22,7 +22,7 @@ from functools import cache, partial
 from itertools import combinations, islice
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, bits, mask_of, size_of
+from eddi_scaffold.kinds.bayesian_network.network import Component, Shape, bits, mask_of, size_of
 
 TABLE, EVIDENCE, UNIT = "table", "evidence", "unit"
 _SMALL = 64  # Entries up to which two constant tables are joined in advance in any case

@@ -15,13 +15,17 @@ from eddi_scaffold.kinds.bayesian_network.inference_plan import (
     everything,
     foreseen,
 )
-from eddi_scaffold.kinds.bayesian_network.joint_tables import JointTable, priors_of
+from eddi_scaffold.kinds.bayesian_network.joint_tables import (
+    JointTable,
+    look_up_lines,
+    priors_of,
+    sum_lines,
+    total_lines,
+)
 from eddi_scaffold.kinds.bayesian_network.message_passing import Plan
-from eddi_scaffold.kinds.bayesian_network.network import Network
+from eddi_scaffold.kinds.bayesian_network.network import Network, NumberedNetwork, bits, numbered
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 from eddi_scaffold.kinds.bayesian_network.steps import Steps
-from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, bits, numbered
-from eddi_scaffold.kinds.bayesian_network.table_text import look_up_lines, sum_lines, total_lines
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.monitor_text import (
     CompiledMonitor,

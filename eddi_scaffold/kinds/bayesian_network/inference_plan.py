@@ -15,7 +15,7 @@ from typing import NamedTuple
 from eddi_scaffold.kinds.bayesian_network.clique_tree import Tree, find_tree
 from eddi_scaffold.kinds.bayesian_network.joint_tables import JointTable, added, fits, joint_tables
 from eddi_scaffold.kinds.bayesian_network.message_passing import Plan, make_program, plan_of
-from eddi_scaffold.kinds.bayesian_network.structure import (
+from eddi_scaffold.kinds.bayesian_network.network import (
     NumberedNetwork,
     Shape,
     bits,

@@ -10,9 +10,16 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network import structure
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
 from eddi_scaffold.kinds.bayesian_network.message_passing import Edge, Message, MessageProgram, Plan
+from eddi_scaffold.kinds.bayesian_network.network import (
+    Component,
+    NumberedNetwork,
+    bits,
+    mask_of,
+    size_of,
+)
+from eddi_scaffold.program import python_text as py
 
 MAX_NUMBERS = 16_384  # Numbers in the table of one output: half a megabyte
 MAX_SUMMED = 128  # Numbers of a table up to which a sum that is written out is the faster way
@@ -40,29 +47,27 @@ class JointTable(NamedTuple):
         return self.summed and self.card * states <= MAX_SUMMED
 
 
-def fits(
-    program: MessageProgram, network: structure.NumberedNetwork, part: structure.Component
-) -> bool:
+def fits(program: MessageProgram, network: NumberedNetwork, part: Component) -> bool:
     """Return whether the tables of a part are small."""
     cards, messages = network.shape.cards, program.messages
     for message in messages.values():
-        cases = structure.size_of(message.inputs, program.cases)
+        cases = size_of(message.inputs, program.cases)
         if message.parts and cases * program.work(message, cards) > _MAX_WORK:
             return False
     for node, edge in program.answers.items():
-        if structure.size_of(messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
+        if size_of(messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
             return False
-    inputs = structure.mask_of((*part.inputs, *part.always_observed))
-    return not program.evidence or structure.size_of(inputs, program.cases) <= MAX_NUMBERS
+    inputs = mask_of((*part.inputs, *part.always_observed))
+    return not program.evidence or size_of(inputs, program.cases) <= MAX_NUMBERS
 
 
-def priors_of(network: structure.NumberedNetwork, plan: Plan) -> dict[int, tuple[float, ...]]:
+def priors_of(network: NumberedNetwork, plan: Plan) -> dict[int, tuple[float, ...]]:
     """Return input -> its prior, where that goes with its evidence and not with the tables."""
     in_tables = {leaf.node for leaf in plan.tree.leaves if leaf.kind == TABLE}
     return {node: network.tables[node] for node in plan.part.inputs if node not in in_tables}
 
 
-def joint_tables(network: structure.NumberedNetwork, plan: Plan) -> tuple[JointTable, ...]:
+def joint_tables(network: NumberedNetwork, plan: Plan) -> tuple[JointTable, ...]:
     """Return the table of each output of a part; that of the evidence if there is none."""
     return _Tables(network, plan).tables()
 
@@ -75,7 +80,7 @@ class _Factor(NamedTuple):
 
 
 class _Tables:
-    def __init__(self, network: structure.NumberedNetwork, plan: Plan) -> None:
+    def __init__(self, network: NumberedNetwork, plan: Plan) -> None:
         self._network, self._plan = network, plan
         self._cards, self._cases = network.shape.cards, plan.program.cases
         self._count = len(self._cards)
@@ -94,7 +99,7 @@ class _Tables:
             return tuple(self._table(factors[program.answers[node]], node) for node in part.outputs)
         first, *others = (factors[edge] for edge in program.evidence)
         second = others[0] if others else _Factor((), [1.0])
-        inputs = structure.mask_of((*part.inputs, *part.always_observed))
+        inputs = mask_of((*part.inputs, *part.always_observed))
         return (self._table(self._product(first, second, 0, inputs), -1),)
 
     def _leaf(self, message: Message) -> _Factor:
@@ -114,7 +119,7 @@ class _Tables:
 
     def _product(self, first: _Factor, second: _Factor, mask: int, inputs: int) -> _Factor:
         """Multiply two factors and sum over all nodes outside ``mask``; cases of inputs stay."""
-        kept = (*(node + self._count for node in structure.bits(inputs)), *structure.bits(mask))
+        kept = (*(node + self._count for node in bits(inputs)), *bits(mask))
         summed = tuple(sorted({*first.axes, *second.axes}.difference(kept)))
         places = []
         for factor in (first, second):
@@ -151,3 +156,79 @@ def added(values: Sequence[float]) -> float:
     for value in values:
         total += value
     return total
+
+
+def sum_lines(target: str, terms: Sequence[str], indent: int) -> list[str]:
+    """Return the lines of ``target = term + term``, added from left to right."""
+    blanks = " " * indent
+    lines, line = [], f"{blanks}{target} = {terms[0]}"
+    for term in terms[1:]:
+        if len(line) + len(term) + 3 > py.WIDTH:
+            lines.append(line)
+            line = f"{blanks}{target} = {target}"
+        line += f" + {term}"
+    return [*lines, line]
+
+
+def look_up_lines(
+    name: str, tables: Sequence[Sequence[tuple[int, int]]], about: Sequence[str]
+) -> list[str]:
+    """Return a function: rows of each table -> the look-up, states -> a row of each table.
+
+    A table is given by (position of an input, distance between the rows of its states).
+    """
+    rows = [f"t{k}" for k in range(len(tables))]
+    lines = [f"    # t{k}: {of}" for k, of in enumerate(about)]
+    lines += [*py.unpacked(rows, "tables", 4), "", "    def look_up(s):"]
+    case_of: dict[tuple[tuple[int, int], ...], str] = {}
+    for strides in map(tuple, tables):
+        if strides not in case_of:
+            terms = [f"s[{position}] * {by}" for position, by in strides] or ["0"]
+            case_of[strides] = f"k{len(case_of)}"
+            lines += sum_lines(case_of[strides], terms, 8)
+    items = (py.Item(f"{t}[{case_of[tuple(of)]}]") for t, of in zip(rows, tables, strict=True))
+    lines += py.returned(py.Group("[", tuple(items), "]"), 8)
+    return [f"def {name}(*tables):", *lines, "", "    return look_up"]
+
+
+def total_lines(
+    name: str,
+    rows: Sequence[Sequence[float]],
+    counts: Sequence[int],
+    strides: Sequence[int],
+    axes: Sequence[str],
+    states: Sequence[str],
+) -> list[str]:
+    """Return a function: one vector for each axis -> the sum of all products with a table.
+
+    ``counts`` numbers of each axis are summed, whose rows are ``strides`` apart; ``axes`` and
+    ``states`` (of a row) are comments.
+    """
+    lines = [f"def {name}(v):"]
+    for axis, count in enumerate(counts):
+        lines.append(f"    # {axes[axis]}")
+        lines += py.unpacked([f"v{axis}_{k}" for k in range(count)], f"v[{axis}]", 4)
+    count = 0
+
+    def terms(axis: int, offset: int, state: int) -> list[str]:
+        nonlocal count
+        texts = []
+        for k in range(counts[axis]):
+            place = offset + k * strides[axis]
+            if axis + 1 == len(counts):
+                texts.append(f"v{axis}_{k} * {py.number(rows[place][state])}")
+                continue
+            inner = terms(axis + 1, place, state)
+            text = f"({' + '.join(inner)})"
+            if len(text) > py.WIDTH - 30:
+                text, count = f"x{count}", count + 1
+                lines.extend(sum_lines(text, inner, 4))
+            texts.append(f"v{axis}_{k} * {text}")
+        return texts
+
+    names = [f"p{state}" for state in range(len(rows[0]))]
+    for state, name_of_sum in enumerate(names):
+        lines.append(f"    # {states[state]}")
+        of_state = terms(0, 0, state) if counts else [py.number(rows[0][state])]
+        lines += sum_lines(name_of_sum, of_state, 4)
+    return [*lines, *py.returned(py.Group("[", tuple(map(py.Item, names)), "]"), 4)]

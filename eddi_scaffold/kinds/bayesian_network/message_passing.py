@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE, UNIT, Tree, find_tree
-from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, size_of
+from eddi_scaffold.kinds.bayesian_network.network import Component, Shape, size_of
 
 Edge = tuple[int, int]  # (from, to): numbers of a tree
 

@@ -1,4 +1,4 @@
-"""Bayesian networks as models."""
+"""Bayesian networks as models: what is read, shown, claimed and accepted."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from typing import Any, ClassVar
 
 from eddi_scaffold import kinds
 from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
+from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
-from eddi_scaffold.diagrams import Diagram
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, read_xml_formats, show
+from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, read_xml_formats
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
-from eddi_scaffold.kinds.bayesian_network.network import Network
+from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, read_options
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
@@ -54,6 +55,18 @@ _BEYOND = (
     ("allow_inf", "allow_inf", "true", "the outermost bin"),
 )
 """Field of the runtime's declaration, key and value in a configuration, what is accepted."""
+_LEGEND = (
+    LegendEntry("output", "table", "output"),
+    LegendEntry("observed", "table", "input"),
+    LegendEntry("neither", "table", "neutral"),
+)
+_SHOWN = 6
+_NONE = "none (write the methods)"
+_ON_EVIDENCE = (
+    "Evidence holds for every state that unknown inputs may have; of what is not known, only a "
+    "prior that the configuration accepts by name counts. The posteriors themselves are no "
+    "evidence. After a step in Python, `EDDIMonitor.monitor.claims()` returns it."
+)
 
 
 @dataclass(frozen=True)
@@ -124,7 +137,29 @@ class NetworkModel(kinds.Model):
         }
 
     def outline(self) -> Sequence[str]:
-        return show.outline(self.data, self.settings)
+        """Return the nodes with states and parents, then what inference costs."""
+        options, declarations = self.settings, self.settings.declarations
+        bins = {entry.node: entry for entry in declarations if entry.reader.edges is not None}
+        lines = []
+        for node in self.data.nodes:
+            title = f" ({node.title})" if node.title != node.id else ""
+            lines.append(f"{node.id}{title}: {', '.join(node.states)}")
+            if node.parents:
+                lines.append(f"  given {', '.join(node.parents)}")
+            if node.id in bins:
+                reader = bins[node.id].reader
+                edges = [*(f" | {edge:g} | " for edge in reader.edges or ()), ""]
+                pairs = zip((node.states[k] for k in reader.order), edges, strict=True)
+                lines.append(f"  from {bins[node.id].input}: {''.join(map(''.join, pairs))}")
+        if self.data.known:
+            known = (
+                f"{name} (event {event})" if event else name for name, event in self.data.known
+            )
+            lines.append(f"known: {', '.join(known)}")
+        lines.append(f"outputs: {', '.join(options.outputs)}")
+        largest = in_digits(options.width.largest)
+        lines.append(f"largest table of the inference, all nodes observable: {largest} entries")
+        return [*lines, *(f"evidence {entry.id}: {entry.text()}" for entry in options.thresholds)]
 
     def write(self) -> Mapping[str, str]:
         return {f"{self.safe_name}.xmlbif": to_xmlbif(self.data)}
@@ -134,8 +169,20 @@ class NetworkModel(kinds.Model):
         return {**self.write(), f"{self.safe_name}.xdsl": to_xdsl(self.data)}
 
     def diagram(self) -> Diagram:
-        is_configured = self.options is not None
-        return show.diagram(self.data, self.name, self.settings, configured=is_configured)
+        """Return the picture: parents above their children, each with its states."""
+        observed = () if self.options is None else self.options.observed
+        nodes, edges = [], []
+        for node in self.data.nodes:
+            edges += [DiagramEdge(parent, node.id) for parent in node.parents]
+            tone: Tone = "input" if node.id in observed else "neutral"
+            if node.id in self.settings.outputs:
+                tone = "output"
+            states = [*node.states[:_SHOWN], *(("...",) if len(node.states) > _SHOWN else ())]
+            title = node.id if node.title == node.id else f"{node.title} ({node.id})"
+            nodes.append(DiagramNode(node.id, (title, *states), "table", tone, node.id))
+        text = f"{len(nodes)} nodes, {len(edges)} edges; parents are above their children"
+        title = f"Bayesian network {self.name}"
+        return Diagram(title, tuple(nodes), tuple(edges), "down", _LEGEND, text)
 
     def draft(self, options: kinds.Options) -> kinds.ModelDraft:
         return method_module.draft(self.data, options)
@@ -180,7 +227,26 @@ class NetworkModel(kinds.Model):
         return (method_module.config_module(self.data, self.settings),)
 
     def readme(self) -> Sequence[str]:
-        return show.readme(self.settings)
+        options = self.settings
+        outputs, observed = (
+            ", ".join(f"`{markdown_code(name)}`" for name in names)
+            for names in (options.outputs, options.observed)
+        )
+        text = (
+            f"Outputs: {outputs}. Observed by declaration: {observed or _NONE}. "
+            "A missing input leaves its node unobserved; the posterior is exact for what is known."
+        )
+        lines = [
+            "## Network",
+            "",
+            text,
+            "",
+            f"The largest table of the inference has {in_digits(options.width.largest)} entries.",
+        ]
+        if not options.thresholds:
+            return lines
+        rows = [f"| `{entry.id}` | {entry.text()} |" for entry in options.thresholds]
+        return [*lines, "", _ON_EVIDENCE, "", "| evidence | active while |", "|---|---|", *rows]
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)

@@ -1,26 +1,174 @@
-"""Options of a network in a configuration: outputs, observed nodes, evidence, discretisation."""
+"""Options of a network in a configuration: outputs, observed nodes, thresholds as evidence."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from eddi_runtime.bayesian_network.claims import COMBINATIONS
 
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.graphs import reached
-from eddi_scaffold.common.identifiers import attribute, free_name
-from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
-from eddi_scaffold.common.units import accepted
+from eddi_scaffold.common.identifiers import attribute, free_name, is_ros_name
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
+from eddi_scaffold.common.units import QuantityError, accepted, duration
 from eddi_scaffold.kinds import ModelInput, Options
-from eddi_scaffold.kinds.bayesian_network import discretisation
+from eddi_scaffold.kinds.bayesian_network.discretisation import (
+    Declaration,
+    EntryReader,
+    Form,
+    is_number,
+    read_discretisation,
+)
 from eddi_scaffold.kinds.bayesian_network.inference_plan import LARGE, TOO_LARGE, Width, width_of
-from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits, node_attributes
-from eddi_scaffold.kinds.bayesian_network.structure import numbered
-from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold, read_thresholds
+from eddi_scaffold.kinds.bayesian_network.network import (
+    Network,
+    in_digits,
+    node_attributes,
+    numbered,
+)
 
-_FORM: discretisation.Form = {
+_ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_RESERVED = ("t", "reason", "unknown", "valid")
+"""Columns of what ``run --csv`` writes, and what reads as if it were about all evidence."""
+_LONGEST_S = 31_536_000.0
+
+
+def _is_id(value: object) -> bool:
+    return isinstance(value, str) and bool(_ID.fullmatch(value)) and value not in _RESERVED
+
+
+def _hold_s(value: object) -> float | None:
+    try:
+        hours, has_unit = duration(value)
+    except QuantityError:
+        return None
+    is_clear = has_unit or not hours
+    return hours * 3600.0 if is_clear and hours * 3600.0 <= _LONGEST_S else None
+
+
+def _are_states(value: object) -> bool:
+    states = value if isinstance(value, list) else [value]
+    return states != [] and all(isinstance(state, str) for state in states)
+
+
+_PROBABILITY = (lambda value: is_number(value) and 0 <= value <= 1, "a number from 0 to 1")
+_FORM: Form = {
+    "id": (_is_id, "a name such as RiskIsLow, and not t, reason, unknown or valid"),
+    "node": (lambda value: isinstance(value, str), "a node of the network"),
+    "state": (_are_states, "a state, or a list of them, yes and no in quotes"),
+    "at_most": _PROBABILITY,
+    "at_least": _PROBABILITY,
+    "release": _PROBABILITY,
+    "hold": (lambda value: _hold_s(value) is not None, "a time such as 2 s, up to a year"),
+    "topic": (
+        lambda value: isinstance(value, str) and is_ros_name(value),
+        "a ROS name: letters, digits, `_` and `/`, such as /rte/land",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """One checked entry."""
+
+    id: str
+    node: str
+    states: tuple[str, ...]  # whose probabilities are added up
+    at_least: bool  # the sum must not be below `limit`; else it must not be above
+    limit: float  # where it becomes active
+    release: float  # beyond it, it is lost
+    hold: float  # seconds for which the limit must be kept before
+    topic: str | None  # where it is published alone, `None` for nowhere
+    place: Place = field(default=Place(), compare=False)
+
+    def text(self) -> str:
+        """Return what it asks for, for people."""
+        relation, beyond = (">=", "below") if self.at_least else ("<=", "above")
+        held = f" for {self.hold:g} s" if self.hold else ""
+        where = f", on {self.topic}" if self.topic is not None else ""
+        limit = f"P({self.node} = {' or '.join(self.states)}) {relation} {self.limit:g}"
+        return f"{limit}{held}, gone {beyond} {self.release:g}{where}"
+
+
+def read_thresholds(
+    network: Network, options: Options, discretised: Collection[str]
+) -> tuple[list[Threshold], list[Problem]]:
+    """Check the section ``evidence`` (B303, B305, B404)."""
+    section, reader = options.values.get("evidence"), EntryReader(options, "evidence")
+    thresholds: list[Threshold] = []
+    if section is None:
+        section = []
+    if not isinstance(section, list) or not all(isinstance(entry, Mapping) for entry in section):
+        reader.report("B404.evidence_list")
+        return [], reader.problems
+    for number, entry in enumerate(section):
+        of_entry = _ThresholdReader(network, entry, options, number)
+        thresholds += of_entry.read(discretised)
+        reader.problems += of_entry.problems
+    problems = reader.problems
+    for number, threshold in enumerate(thresholds):
+        name, place, topic = threshold.id, threshold.place, threshold.topic
+        for other in thresholds[:number]:
+            if other.id == name:
+                problems.append(problem("B404.duplicate_id", place, name=name))
+            if topic and other.topic == topic:
+                fields = {"other": other.id, "name": name, "topic": topic}
+                problems.append(problem("B404.same_topic", place, **fields))
+    return thresholds, problems
+
+
+class _ThresholdReader(EntryReader):
+    def __init__(
+        self, network: Network, entry: Mapping[str, Any], options: Options, number: int
+    ) -> None:
+        name = entry.get("id")
+        subject = f"evidence {name!r}" if isinstance(name, str) else "evidence"
+        super().__init__(options, "evidence", number, entry=entry, subject=subject)
+        self._network = network
+
+    def read(self, discretised: Collection[str]) -> list[Threshold]:
+        """Return the threshold; nothing after an error."""
+        values = self.values(_FORM, "id", "node", "state")
+        node, states = values.get("node", ""), values.get("state", [])
+        states = [states] if isinstance(states, str) else states
+        names = self._network.names()
+        if node in discretised:
+            self.report("B305.observed", "node", name=node)
+        elif node in names:
+            known = self._network.node(node).states
+            for state in states:
+                if state not in known:
+                    hint = did_you_mean(state, known) or f"its states: {', '.join(known)}"
+                    self.report("B303.threshold_state", "state", hint=hint, state=state)
+            if len({*states}) < len(states):
+                self.report("B303.state_twice", "state")
+            elif {*states} == {*known}:
+                self.report("B303.every_state", "state", node=node)
+        elif "node" in values:
+            similar = did_you_mean(node, names)
+            self.report("B303.threshold_node", "node", hint=similar, value=node)
+        keys = [key for key in ("at_least", "at_most") if key in self.entry]
+        if len(keys) != 1:
+            self.report("B404.one_limit", *keys[:1])
+        if has_errors(self.problems):
+            return []
+        (key,) = keys
+        limit, is_least = float(values[key]), key == "at_least"
+        release = float(values.get("release", limit))
+        if release > limit if is_least else release < limit:
+            side = "above" if is_least else "below"
+            self.report("B404.release", "release", release=release, side=side, key=key, limit=limit)
+            return []
+        hold_s, topic = _hold_s(values.get("hold", 0)) or 0.0, values.get("topic")
+        limits = (is_least, limit, release, hold_s, topic, self.place("id"))
+        return [Threshold(values["id"], node, tuple(states), *limits)]
+
+
+_OWN_FORM: Form = {
     "outputs": (lambda value: isinstance(value, list), "a list of nodes"),
     "observed": (lambda value: isinstance(value, list), "a list of nodes"),
     "evidence_mode": (lambda value: value in ("virtual", "d7.2"), "virtual or d7.2"),
@@ -40,7 +188,7 @@ class NetworkOptions:
     outputs: tuple[str, ...]  # nodes whose posteriors are given, in the order of the network
     # nodes that inputs feed or `observed:` names, in the order of the network
     observed: tuple[str, ...]
-    declarations: tuple[discretisation.Declaration, ...]  # discretised nodes
+    declarations: tuple[Declaration, ...]  # discretised nodes
     direct: Mapping[str, str]  # node -> input that holds its state or likelihoods
     inputs: tuple[ModelInput, ...] = field(compare=False)  # what the monitor reads
     width: Width = field(compare=False)  # what inference will cost
@@ -77,13 +225,13 @@ def read_options(
     Without a configuration there are no problems, however wide the network is.
     """
     has_configuration, options = options is not None, options or Options()
-    declarations, problems = discretisation.read_discretisation(network, options)
+    declarations, problems = read_discretisation(network, options)
     declared, names = {entry.node for entry in declarations}, network.names()
     thresholds, faults = read_thresholds(network, options, declared)
     direct = inputs_named_like_nodes(network, options, declarations)
-    own = {key: value for key, value in options.values.items() if key in _FORM}
-    reader = discretisation.EntryReader(options, entry=own)
-    values = reader.values(_FORM)
+    own = {key: value for key, value in options.values.items() if key in _OWN_FORM}
+    reader = EntryReader(options, entry=own)
+    values = reader.values(_OWN_FORM)
     for key in ("outputs", "observed"):
         for number, name in enumerate(values.get(key, ())):
             if name not in names:
@@ -135,7 +283,7 @@ def read_options(
 
 
 def inputs_named_like_nodes(
-    network: Network, options: Options, declarations: Sequence[discretisation.Declaration]
+    network: Network, options: Options, declarations: Sequence[Declaration]
 ) -> dict[str, str]:
     """Return node -> input of its state, which has the node's name or its Python name."""
     if not options.inputs and not declarations:  # no configuration yet: an input for each node
@@ -153,7 +301,7 @@ def inputs_named_like_nodes(
 def _inputs(
     network: Network,
     options: Options,
-    declarations: Sequence[discretisation.Declaration],
+    declarations: Sequence[Declaration],
     direct: Mapping[str, str],
     *,
     has_thresholds: bool,

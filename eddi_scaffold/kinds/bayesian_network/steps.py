@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
 from eddi_scaffold.kinds.bayesian_network.message_passing import Edge, Message, MessageProgram
-from eddi_scaffold.kinds.bayesian_network.structure import bits
+from eddi_scaffold.kinds.bayesian_network.network import bits
 
 Axes = tuple[int, ...]
 _GEMV, _GEMM = 9_000, 200_000

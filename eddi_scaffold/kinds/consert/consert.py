@@ -204,49 +204,44 @@ class Propagation:
 
 
 @dataclass(frozen=True)
-class RequiredService:
+class _Service:
+    member_kind: ClassVar[str]
+    id: str
+    functional_service_type: str
+
+    def __post_init__(self) -> None:
+        """Keep each member once."""
+        object.__setattr__(self, f"{self.member_kind}s", tuple(dict.fromkeys(self.members)))
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """The ids of what it groups."""
+        members: tuple[str, ...] = getattr(self, f"{self.member_kind}s")
+        return members
+
+
+@dataclass(frozen=True)
+class RequiredService(_Service):
     """A service expected from another system, with the ids of the demands that it groups."""
 
     kind: ClassVar[str] = "required service"
     member_kind: ClassVar[str] = "demand"
-    id: str
-    functional_service_type: str
     demands: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
     # places of the services that are to provide it, as the file says
     allocated: tuple[Place, ...] = field(default=(), compare=False)
 
-    def __post_init__(self) -> None:
-        """Keep each member once."""
-        object.__setattr__(self, "demands", tuple(dict.fromkeys(self.demands)))
-
-    @property
-    def members(self) -> tuple[str, ...]:
-        """What it groups."""
-        return self.demands
-
 
 @dataclass(frozen=True)
-class ProvidedService:
+class ProvidedService(_Service):
     """A service offered to other systems, with the ids of the guarantees that it groups."""
 
     kind: ClassVar[str] = "provided service"
     member_kind: ClassVar[str] = "guarantee"
-    id: str
-    functional_service_type: str
     guarantees: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
     # places of the services that it is to provide, as the file says
     allocated: tuple[Place, ...] = field(default=(), compare=False)
-
-    def __post_init__(self) -> None:
-        """Keep each member once."""
-        object.__setattr__(self, "guarantees", tuple(dict.fromkeys(self.guarantees)))
-
-    @property
-    def members(self) -> tuple[str, ...]:
-        """What it groups."""
-        return self.guarantees
 
 
 Service = RequiredService | ProvidedService

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
@@ -11,12 +11,12 @@ from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Mea
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.problems import Problem, has_errors, in_order
-from eddi_scaffold.diagrams import Diagram
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Shape, Tone
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert import read_eddi, show
-from eddi_scaffold.kinds.consert.checks import check_consert
+from eddi_scaffold.kinds.consert import read_eddi
+from eddi_scaffold.kinds.consert.checks import check_consert, static_checks
 from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.compose import why_not_fulfilled
 from eddi_scaffold.kinds.consert.names import published_class
@@ -26,11 +26,23 @@ from eddi_scaffold.kinds.consert.options import (
     with_default_guarantees,
 )
 from eddi_scaffold.kinds.consert.read_yaml import read_yaml
-from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
+DEEPEST = 30
+"""Levels that are printed; what lies deeper is counted as "..." (a line grows with its level)."""
+_GROUPS = (
+    *("guarantees", "demands", "evidence", "gates"),
+    *("tree_propagations", "required_services", "provided_services"),
+)
+_LOOKS: dict[str, tuple[Shape, Tone, str]] = {
+    "guarantee": ("rounded", "output", "guarantee"),
+    "And": ("and", "gate", "And"),
+    "Or": ("or", "gate", "Or"),
+    "evidence": ("ellipse", "input", "runtime evidence"),
+    "demand": ("hexagon", "demand", "demand on another system"),
+}
 _ACTIVE = Meaning(
     (False,),
     refused="`active` of a guarantee is false also when it is unknown",
@@ -83,10 +95,23 @@ class ConSertModel(Model):
         return static_checks(self.data)
 
     def counts(self) -> Mapping[str, int]:
-        return show.counts(self.data)
+        return {group: len(getattr(self.data, group)) for group in _GROUPS}
 
     def outline(self) -> Sequence[str]:
-        return show.outline(self.data)
+        """Return the guarantees with their support, then services.
+
+        A gate or guarantee that several others use is written out once and named after that.
+        """
+        consert, shown = self.data, set[str]()
+        labels = {node.id: _label(node) for node in consert.nodes}
+        lines = [f"of the system {consert.system}"] if consert.system else []
+        for guarantee in consert.guarantees:
+            lines += _tree(guarantee.id, labels, consert.inputs, shown)
+        for service in consert.services:
+            verb = "requires" if service.member_kind == "demand" else "provides"
+            members = ", ".join(service.members)
+            lines.append(f"{verb} {service.id} ({service.functional_service_type}): {members}")
+        return lines
 
     def write(self) -> Mapping[str, str]:
         return {f"{self.safe_name}.yml": to_yaml(self.data)}
@@ -95,7 +120,27 @@ class ConSertModel(Model):
         return replace(self, name=name, data=replace(self.data, name=name))
 
     def diagram(self) -> Diagram:
-        return show.diagram(self.data)
+        """Return the picture, as SESAME D7.2 Fig 4 draws it."""
+        inputs, counts = self.data.inputs, self.counts()
+        groups = ("guarantees", "gates", "evidence", "demands")
+        counted = ", ".join(f"{counts[group]} {group}" for group in groups)
+        edges = (DiagramEdge(of, target) for target, sources in inputs.items() for of in sources)
+        nodes = []
+        for node in (node for group in groups for node in getattr(self.data, group)):
+            is_gate = isinstance(node, model.Gate)
+            shape, tone, _ = _LOOKS[node.function if is_gate else node.kind]
+            texts = () if is_gate else (dimension.text for dimension in node.dimensions)
+            lines = (node.function.upper(),) if is_gate else (node.id, *texts)
+            about = node.id if is_gate else node.description or ""
+            nodes.append(DiagramNode(node.id, lines, shape, tone, about))
+        return Diagram(
+            f"ConSert {self.data.name}",
+            tuple(nodes),
+            tuple(edges),
+            "up",
+            tuple(LegendEntry(title, shape, tone) for shape, tone, title in _LOOKS.values()),
+            f"{counted}; support leads upwards",
+        )
 
     def configure(self, options: Options) -> tuple[ConSertModel | None, list[Problem]]:
         chosen, problems = read_options(options)
@@ -210,3 +255,28 @@ def _input_of(node: model.Demand | model.Evidence) -> ModelInput:
         uses=(Use(dimension.covers),),
         **number,
     )
+
+
+def _tree(
+    root: str, labels: Mapping[str, str], inputs: Mapping[str, Sequence[str]], shown: set[str]
+) -> Iterator[str]:
+    waiting = [(0, root)]
+    while waiting:
+        level, id_ = waiting.pop()
+        children, line = inputs[id_], "  " * level + labels[id_]
+        if id_ in shown and children:
+            yield f"{line} (see above)"
+        elif level >= DEEPEST and children:
+            yield f"{line} ..."
+        else:
+            shown.add(id_)
+            yield line
+            waiting += [(level + 1, child) for child in reversed(children)]
+
+
+def _label(node: model.Node) -> str:
+    if isinstance(node, model.Gate):
+        return f"{node.function} {node.id}"
+    text = "; ".join(dimension.text for dimension in node.dimensions)
+    mark = " (default)" if isinstance(node, model.Guarantee) and node.default else ""
+    return f"{node.kind} {node.id}" + (f": {text}" if text else "") + mark

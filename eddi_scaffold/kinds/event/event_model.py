@@ -15,14 +15,15 @@ from eddi_scaffold.conditions.tokens import line_and_column
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
-from eddi_scaffold.kinds.event import read_eddi
 from eddi_scaffold.kinds.event.compile import compile_events
 from eddi_scaffold.kinds.event.events import (
     DEFAULT_RATE,
     NAME,
     Events,
     analysed,
+    as_eddi_map,
     commented,
+    events_of_eddi,
     input_of,
     read_text,
     uses_of,
@@ -73,7 +74,7 @@ class EventModel(Model):
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
     ) -> ReadResult:
-        files, problems = read_eddi.read_eddi(document, source)
+        files, problems = events_of_eddi(document, source)
         models = (cls(of.model or "", part, of.place, data=events) for of, part, events in files)
         return ReadResult(tuple(models), tuple(problems))
 
@@ -112,7 +113,7 @@ class EventModel(Model):
 
     def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]]:
         place = replace(self.place, file=self.source.name)
-        return read_eddi.as_eddi_map(self.name, self.data, place)
+        return as_eddi_map(self.name, self.data, place)
 
     def draft(self, options: Options) -> ModelDraft:
         """Return the inputs, each with the comment at its declaration: a person wrote it."""

@@ -13,7 +13,7 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.problems import Problem, has_errors, problem
 from eddi_scaffold.kinds.safeml import scope, thresholds
-from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate
+from eddi_scaffold.kinds.safeml.thresholds import autocorrelation, calibrate
 
 ROWS_PER_WINDOW = 20
 """Windows that a reference must hold for calibration to be worth it (``calibration: auto``)."""

@@ -12,13 +12,13 @@ from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
-from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS, read_eddi, show
+from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS, show
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import read_named
 from eddi_scaffold.kinds.safeml.scope import NAME, Plan, SafeMLFile, SafeMLOptions
+from eddi_scaffold.kinds.safeml.settings import as_eddi_map, read_settings, settings_of_eddi
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
-from eddi_scaffold.kinds.safeml.settings import read_settings
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
@@ -77,7 +77,7 @@ class SafeMLModel(Model):
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
     ) -> ReadResult:
-        files, problems = read_eddi.read_eddi(document, source)
+        files, problems = settings_of_eddi(document, source)
         models = (cls(of.model or "", part, of.place, data=file) for of, part, file in files)
         return ReadResult(tuple(models), tuple(problems))
 
@@ -102,7 +102,7 @@ class SafeMLModel(Model):
         return settings_text(self.data, self.safe_name)
 
     def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]]:
-        return read_eddi.as_eddi_map(self.name, self.data)
+        return as_eddi_map(self.name, self.data)
 
     def diagram(self) -> Diagram:
         return show.picture(self.name, self.data, self._planned[0])

@@ -10,8 +10,8 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.escaping import markdown_text
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
-from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, Plan, SafeMLFile
+from eddi_scaffold.kinds.safeml.thresholds import of_windows
 
 _LARGEST_SHIFT = 100.0
 _SHOWN = 8

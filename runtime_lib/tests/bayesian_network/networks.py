@@ -22,10 +22,8 @@ from eddi_scaffold.kinds.bayesian_network.compile import (
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration as NodeDeclaration
 from eddi_scaffold.kinds.bayesian_network.discretisation import reader_of
 from eddi_scaffold.kinds.bayesian_network.inference_plan import Width
-from eddi_scaffold.kinds.bayesian_network.network import Network, Node
-from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
-from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, Shape
-from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
+from eddi_scaffold.kinds.bayesian_network.network import Network, Node, NumberedNetwork, Shape
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Threshold
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from runtime_lib.tests.compiled_models import loaded, text_of

@@ -14,7 +14,7 @@ from hypothesis import settings
 pytest.importorskip("pgmpy", reason="pgmpy is no dependency")
 pytest.importorskip("numpy")
 
-from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, Shape
+from eddi_scaffold.kinds.bayesian_network.network import NumberedNetwork, Shape
 from runtime_lib.tests.bayesian_network.networks import engine, furthest
 
 pytestmark = pytest.mark.slow

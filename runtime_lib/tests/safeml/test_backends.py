@@ -6,7 +6,7 @@ np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime.safeml import arrays  # noqa: E402 - numpy comes first
 from eddi_runtime.safeml.comparison import Comparison  # noqa: E402
 
-from eddi_scaffold.kinds.safeml.calibration import of_windows  # noqa: E402
+from eddi_scaffold.kinds.safeml.thresholds import of_windows  # noqa: E402
 
 
 def test_an_absent_library_is_said_and_numpy_used(monkeypatch):

@@ -6,7 +6,7 @@ np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime.safeml.comparison import Comparison, Window  # noqa: E402 - numpy comes first
 from eddi_runtime.safeml.statistics import CramerVonMises  # noqa: E402
 
-from eddi_scaffold.kinds.safeml.calibration import of_windows  # noqa: E402
+from eddi_scaffold.kinds.safeml.thresholds import of_windows  # noqa: E402
 from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
 
 METRICS = tuple(LITERAL)

@@ -9,9 +9,8 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.config.schema import Config
-from eddi_scaffold.deployments.fleet import among_others, digests_of, read_whole_fleet
-from eddi_scaffold.deployments.sites import sites_of
-from eddi_scaffold.deployments.station import with_station
+from eddi_scaffold.deployments.fleet import among_others, digests_of, read_whole_fleet, with_station
+from eddi_scaffold.deployments.fleet_checks import sites_of
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.platforms import MeetingPlace
 from tests.cli.command import ROOT, files_below, run

@@ -1,62 +1,13 @@
 """Events: conditions over sources and over what other monitors claim."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from random import Random
 from typing import Any
 
 from tests.deployments.pool.readings import GOOD, SOURCES, Reading
 from tests.deployments.pool.templates import Config, Slot, Template
 
-EVIDENCE = (
-    "n < 40",
-    "TIME(n < 40, 1s)",
-    "NOT ONCE(n > 60, 1s)",
-    "HYSTERESIS(n, 20, 60)",
-    "NOT HYSTERESIS(n, 20, 60)",
-    "AVERAGE(n, 1.5s) < 40",
-    "MAX(n, 1s) < 60",
-    "MEDIAN(n, 1.5s) < 40",
-    "RATE(n, 1s) < 20",
-    "n < 20 OR n > 60",
-    "n < 40 AND m < 60",
-    "n < m",
-    "ABS(n - m) < 50",
-    "b AND NOT c",
-    "LATCH(b, c)",
-    "NOT LATCH(c, b)",
-    "b IMPLIES n < 40",
-    "b XOR c",
-    "COUNT(b, 1.5s) >= 2",
-    "NOT RISE(c)",
-    "NOT EDGE(b)",
-    "FALL(c) OR b",
-    "b AND ELAPSED(b) > 1s",
-    "NOT c OR ELAPSED(c) < 1s",
-    "TIME(ONCE(b, 1s), 1s)",
-    "g",
-    "TIME(g, 1s)",
-    "ONCE(g, 1s)",
-    "g AND n < 40",
-    "g OR b",
-    "LATCH(g, b)",
-    "LATCH(b, NOT g)",
-    "g AND h",
-    "COUNT(g, 1.5s) >= 2",
-    "NOT b OR g",
-)
-HAZARDS = (
-    "n > 60",
-    "ONCE(n > 60, 1s)",
-    "HYSTERESIS(n, 20, 60)",
-    "c OR n > 60",
-    "LATCH(c, b)",
-    "NOT g",
-    "NOT g OR n > 60",
-    "NOT TIME(g, 1s)",
-    "ONCE(NOT g, 1s)",
-    "NOT (g OR h)",
-    "c AND NOT g",
-)
 UNSOUND = {
     "hazard over guarantee": ("g AND n > 60", "HAZARD"),
     "evidence against a guarantee": ("NOT g AND n < 60", "EVIDENCE"),
@@ -68,8 +19,9 @@ _GOOD = {"b": True, "c": False, "n": 10.0, "m": 30.0}
 
 def events() -> Iterator[Template]:
     """Yield every condition, each with its variables read in some way."""
-    texts = [(text, "EVIDENCE") for text in EVIDENCE] + [(text, "HAZARD") for text in HAZARDS]
-    for number, (text, polarity) in enumerate(texts):
+    lines = Path(__file__).with_suffix(".txt").read_text("utf-8").splitlines()
+    for number, line in enumerate(lines):
+        polarity, _, text = line.partition(" ")
         rng = Random(f"event {number}")
         ways = {name: _way(name, rng) for name in "bcnmgh" if _uses(text, name)}
         yield _event(f"event{number}", text, polarity, ways, rng)

@@ -5,12 +5,42 @@ from copy import deepcopy
 from random import Random
 from typing import Any
 
-from eddi_scaffold.kinds import kinds
 from tests.deployments.pool.readings import NUMBERS, SOURCES, TEXTS, Leaf, Reading
-from tests.deployments.pool.templates import Config, Slot, Template
+from tests.deployments.pool.templates import Config, Slot, Template, dump
 
-HAS_THRESHOLDS = "evidence" in kinds()["bayesian_network"].options
-"""Whether a network can say itself what of it is evidence."""
+ARRAY = Reading("array", "std_msgs/Float64MultiArray", (), "float[]", field="data")
+"""It has no leaves: what is unknown of it is the verdict, which its completion draws."""
+USUAL = (0.5, 9.5, 2.5, 7.5, 5.0)
+FAR = 90.0
+
+
+def scopes() -> Iterator[Template]:
+    """Yield a monitor for each way to go on without a verdict."""
+    for mode in ("hold", "clear"):
+        name = f"scope_{mode}"
+        file, reference = f"{name}_safeml.yml", f"{name}_reference.csv"
+        settings = {
+            "window_size": 5,
+            "reference_sample_file": reference,
+            "significance_level": 0.02,
+            "distance_metric": "KolmogorovSmirnovDistance",
+            "n_components": None,
+            "residual_test": False,
+            "calibration": "iid",
+            "on_omission": mode,
+            "max_age": 1.2,
+            "input_dtype": "float64",
+        }
+        config = Config(name, "SafeML", ("config", file))
+        slot = Slot("s_x", ARRAY, 1.2, good=USUAL)
+        config.source(slot)
+        config.inputs.append(
+            {"id": "frame", "type": "float[]", "requires": ["s_x"], "field": "data"}
+        )
+        rows = "".join(f"{7 * k % 20 / 2}\n" for k in range(20))
+        files = {file: dump(settings), reference: rows, f"{name}_config.yml": config.text()}
+        yield Template(name, "safeml", files, (slot,), {"scope": "/status", "verdict": ""})
+
 
 ROWS = ("0.9 0.1  0.4 0.6  0.2 0.8  0.05 0.95", "0.8 0.2  0.1 0.9  0.3 0.7  0.02 0.98")
 """P(High, Low | Near, Human): of two tables, each with a probability above 0 for every state."""
@@ -47,8 +77,8 @@ OBSERVED: Mapping[str, tuple[Reading, Mapping[str, Any], Any]] = {
 
 
 def networks(count: int) -> Iterator[Template]:
-    """Yield networks with a threshold; none as long as the product has no such key."""
-    for number in range(count if HAS_THRESHOLDS else 0):
+    """Yield networks with a threshold."""
+    for number in range(count):
         rng = Random(f"network {number}")
         threshold = THRESHOLDS[number % len(THRESHOLDS)]
         ways = {node: rng.choice(list(OBSERVED)) for node in ("Near", "Human")}

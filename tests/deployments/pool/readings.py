@@ -40,43 +40,27 @@ def _is_whole(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class Leaf:
-    """One field of a message.
+    """One field of a message."""
 
-    Attributes:
-        path: to the field.
-        domain: values that it may have while it is unknown; the unfavourable ones may come first
-            or last.
-        fits: whether a value counts as known.
-    """
-
-    path: str
+    path: str  # to the field
+    # values that it may have while it is unknown; the unfavourable ones may come first or last
     domain: tuple[Any, ...]
-    fits: Fits
+    fits: Fits  # whether a value counts as known
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What an input takes from one message.
+    """What an input takes from one message."""
 
-    Attributes:
-        offer: what the publisher must offer: ``guarantee``, ``hazard``, or a source's ``flag``.
-        message_type: of the topic.
-        leaves: the fields that it depends on, with those that say that these are known.
-        type: of the input.
-        field: path, where one field is taken as it is.
-        expression: else, with ``{s}`` for the id of the message.
-        hazard: the expression has ``polarity: HAZARD``.
-        covers: the greatest number that is evidence of a ConSert.
-    """
-
-    offer: str
-    message_type: str
+    offer: str  # what the publisher must offer: `guarantee`, `hazard`, or a source's `flag`
+    message_type: str  # of the topic
+    # the fields that it depends on, with those that say that these are known
     leaves: tuple[Leaf, ...]
-    type: str = "bool"
-    field: str | None = None
-    expression: str | None = None
-    hazard: bool = False
-    covers: float = 40.0
+    type: str = "bool"  # of the input
+    field: str | None = None  # path, where one field is taken as it is
+    expression: str | None = None  # else, with `{s}` for the id of the message
+    hazard: bool = False  # the expression has `polarity: HAZARD`
+    covers: float = 40.0  # the greatest number that is evidence of a ConSert
 
 
 def _source(offer: str, name: str, leaf: Leaf, kind: str) -> Reading:

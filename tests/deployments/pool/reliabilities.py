@@ -5,7 +5,6 @@ They live for seconds, so that what happened in a gap matters.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from random import Random
 from typing import Any
 
@@ -30,9 +29,6 @@ def _number(fits: Callable[[Any], bool]) -> Reading:
     leaf = Leaf("data", (10.0, 30.0, 50.0, 90.0), fits)
     return Reading("number", "std_msgs/Float64", (leaf,), "float", field="data")
 
-
-BOUNDS_GAPS = find_spec("eddi_runtime.reliability.observed") is not None
-"""Whether the runtime bounds what a chain that is repaired may have done while nobody looked."""
 
 FLAG = SOURCES["flag"]
 LEVEL, LIMITED = _number(_percent), _number(_below_limit)
@@ -79,7 +75,6 @@ def _tree(rng: Random, repair: bool) -> _Part:
 
 
 def _chain(rng: Random, repair: bool) -> _Part:
-    repair = repair and BOUNDS_GAPS
     arcs = [
         {"from": "Up", "to": "Worn", "rate": "0.2 1/s"},
         {"from": "Worn", "to": "Down", "rate": "1 1/s"},

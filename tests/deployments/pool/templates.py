@@ -16,25 +16,16 @@ Rank = Callable[[Any], int]
 
 @dataclass(frozen=True)
 class Slot:
-    """One message that a monitor reads.
+    """One message that a monitor reads."""
 
-    Attributes:
-        source: id of the simulator output; its topic is called so, too.
-        limit: seconds after which its leaves are unknown, ``None``: never, on purpose.
-        accepts_default: what is not there yet has a default, on purpose.
-        rank: how far gone a value is, where nothing that is further gone comes back; ``None``
-            where it may.
-        accepts_unknown: a key of the model accepts that nothing is known.
-        good: value of a source with which something is claimed, as a rule.
-    """
-
-    source: str
+    source: str  # id of the simulator output; its topic is called so, too
     reading: Reading
-    limit: float | None
-    accepts_default: bool = False
-    accepts_unknown: bool = False
+    limit: float | None  # seconds after which its leaves are unknown, `None`: never, on purpose
+    accepts_default: bool = False  # what is not there yet has a default, on purpose
+    accepts_unknown: bool = False  # a key of the model accepts that nothing is known
+    # how far gone a value is, where nothing that is further gone comes back; `None` where it may
     rank: Rank | None = None
-    good: Any = None
+    good: Any = None  # value of a source with which something is claimed, as a rule
 
     @property
     def accepts(self) -> bool:
@@ -44,22 +35,15 @@ class Slot:
 
 @dataclass(frozen=True, eq=False)
 class Template:
-    """One model with its configuration.
-
-    Attributes:
-        files: name -> text; ``<name>_config.yml`` is the configuration.
-        offers: what it publishes -> what stands behind the name of its topic.
-        every: its period in milliseconds.
-        fault: which sort of unsound reading is in it, empty for none.
-    """
+    """One model with its configuration."""
 
     name: str
     kind: str
-    files: Mapping[str, str]
+    files: Mapping[str, str]  # name -> text; `<name>_config.yml` is the configuration
     slots: tuple[Slot, ...]
-    offers: Mapping[str, str]
-    every: int = 500
-    fault: str = ""
+    offers: Mapping[str, str]  # what it publishes -> what stands behind the name of its topic
+    every: int = 500  # its period in milliseconds
+    fault: str = ""  # which sort of unsound reading is in it, empty for none
 
     @property
     def accepts(self) -> bool:

@@ -102,15 +102,9 @@ def test_show_of_a_configuration_lists_it(tmp_path: Path) -> None:
         shown = run("show", *words, cwd=tmp_path)
         assert (shown.status, shown.out.splitlines()[-2:]) == (0, ["accepted:", f"  {SAID}"])
         (row,) = json.loads(run("show", *words, "--json", cwd=tmp_path).out)["accepted"]
-        assert row == {
-            "monitor": "Base",
-            "input": "E",
-            "key": "max_age: none",
-            "accepts": "the last value",
-            "topics": ["/fine"],
-            "claims": ["Base.G"],
-            "seconds": None,
-        }
+        assert (row["key"], row["topics"], row["claims"]) == (
+            "max_age: none", ["/fine"], ["Base.G"],
+        )  # fmt: skip
 
 
 @pytest.mark.parametrize(

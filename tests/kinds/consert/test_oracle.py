@@ -3,7 +3,7 @@
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-from tests.kinds.consert.oracle import as_source, oracle
+from tests.kinds.consert.example import as_source, oracle
 
 MORE = {
     *("P_uom_percent", "P_uom_rad"),  # units of robots, which conserts-rs does not have

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import has_errors
-from eddi_scaffold.kinds.consert.checks import check_consert
+from eddi_scaffold.kinds.consert.checks import check_consert, static_checks
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
@@ -28,10 +28,8 @@ from eddi_scaffold.kinds.consert.consert import (
 )
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.read_yaml import read_yaml
-from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
-from tests.kinds.consert.example import ROVER
-from tests.kinds.consert.running import monitor_of
+from tests.kinds.consert.example import ROVER, monitor_of
 
 pytestmark = pytest.mark.slow
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.kinds.consert.checks import static_checks
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     ConSert,
@@ -17,7 +18,6 @@ from eddi_scaffold.kinds.consert.consert import (
     ProvidedService,
 )
 from eddi_scaffold.kinds.consert.graph import constants, path_sets
-from eddi_scaffold.kinds.consert.static_checks import static_checks
 
 B = BinaryDimension("T")
 

@@ -6,8 +6,12 @@ from types import SimpleNamespace
 
 import pytest
 
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.recordings.playing import compiled
 from tests.cli.command import run
+from tests.rows import played
 
 TEXT = """\
 VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 1s
@@ -130,3 +134,25 @@ def test_wrong_files(text: str, code: str, folder: Path) -> None:
     (folder / "overheat.events").write_text(text)
     result = run("check", "overheat.events", cwd=folder)
     assert (result.status, f"[{code}]" in result.err) == (1, True)
+
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"
+
+
+@pytest.fixture(scope="module")
+def monitors() -> list[BoundMonitor]:
+    configs = [EXAMPLE / "motor_config.yml", EXAMPLE / "drive_config.yml"]
+    return monitors_of(EXAMPLE / "drive.yml", configs)[0]
+
+
+def test_the_guarantee_follows_the_event(monitors: list[BoundMonitor]) -> None:
+    motor, drive = monitors
+    other = compiled(drive)
+    full_speed = {}
+    for part, frame in played(motor, read_source(EXAMPLE / "recording.csv")):
+        ((_, event),) = part.running.message(frame.output)
+        flags = other.execute_step(SimpleNamespace(MotorFit=event["active"]))
+        full_speed[frame.t] = {row["id"]: row["active"] for row in flags}["FullSpeed"]
+    on = [t for t in full_speed if full_speed[t]]
+    assert (on[0], on[-1]) == (1.9, 10.9)
+    assert not any(full_speed[t] for t in full_speed if 6.0 <= t < 8.1 or 9.0 <= t < 10.3)

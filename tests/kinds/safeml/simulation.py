@@ -15,9 +15,9 @@ import numpy as np
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.safeml.calibration import largest_statistics
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.scope import Metric, Plan, ReferenceSample, SafeMLSettings
+from eddi_scaffold.kinds.safeml.thresholds import largest_statistics
 
 Rows = Any
 """numpy.ndarray (rows, features)."""

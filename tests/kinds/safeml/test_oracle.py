@@ -12,7 +12,6 @@ import yaml
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.scope import Plan, ReferenceSample, SafeMLSettings
 from eddi_scaffold.kinds.safeml.thresholds import (
@@ -20,6 +19,7 @@ from eddi_scaffold.kinds.safeml.thresholds import (
     ks_asymptotic,
     ks_tail,
     limit_quantile,
+    of_windows,
     theoretical,
 )
 from tests.data_files import data_file

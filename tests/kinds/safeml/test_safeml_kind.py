@@ -7,14 +7,21 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml import KIND
-from eddi_scaffold.kinds.safeml.scope import Plan
+from eddi_scaffold.kinds.safeml.scope import Design, Plan
 from eddi_scaffold.kinds.safeml.show import detectable_shift
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros_packages import messages_of
 from eddi_scaffold.recordings.playing import compiled
+from eddi_scaffold.recordings.results import changes
 from tests.kinds.safeml.monitors import CONNECTED, joined, running
+from tests.rows import played
 
 _CHANCE = random.Random(11)
 ROWS = [[round(_CHANCE.gauss(5, 1), 3), _CHANCE.gauss(0, 2)] for _ in range(300)]
@@ -148,3 +155,110 @@ def test_the_frozen_message_has_the_md5_of_packages_in_the_field() -> None:
     text = KIND.messages["SafeMLOutput"].strip()
     digest = hashlib.md5(text.encode(), usedforsecurity=False).hexdigest()
     assert digest == "195444b28061334335568bfdb01494e8"
+
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "safeml"
+"""Seconds from which on the recording is in fog."""
+
+
+@pytest.fixture(scope="module")
+def monitors() -> list[BoundMonitor]:
+    configs = [EXAMPLE / "perception_config.yml", EXAMPLE / "landing_config.yml"]
+    return monitors_of(EXAMPLE / "landing.yml", configs)[0]
+
+
+def test_run_says_why_there_is_no_verdict(monitors: list[BoundMonitor]) -> None:
+    good = "1 2 3 4 5 6"
+    rows = [good, good, '""', "1 nan 3 4 5 6", "1 2 3", good, good, *[""] * 11, good]
+    text = "t,frame\n" + "".join(f"{k / 10:g},{row}\n" for k, row in enumerate(rows))
+    recording = played(monitors[0], Source("r.csv", text.encode()))
+    said = [line for line in changes(recording) if "waits" in line]
+    assert [(float(line.split()[0]), line.partition("waits for ")[2]) for line in said] == [
+        (0.0, "frame (the window has 1 of 50 samples)"),
+        (0.2, "frame (the message is empty)"),
+        (0.3, "frame (feature 1 is not a finite number)"),
+        (0.4, "frame (3 values, the reference has 6 features)"),
+        (0.5, "frame (the window has 3 of 50 samples)"),
+        (1.7, "frame (the last sample is older than 1 s)"),
+        (1.8, "frame (the window has 1 of 50 samples)"),
+    ]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("bad")
+
+
+def answer(folder: Path, config: bytes, csv: bytes) -> None:
+    """Read both files; where they are sound, let the monitor run some steps."""
+    (folder / "safeml_config.yml").write_bytes(config)
+    (folder / "reference.csv").write_bytes(csv)
+    try:
+        (monitor,), _ = monitors_of(folder / "safeml_config.yml", [])
+    except EddiError as refused:
+        for problem in refused.problems:
+            assert problem.place.file
+            assert "\n" not in problem.message
+        return
+    one = compiled(monitor)
+    features = monitor.model.data.reference.rows.shape[1]
+    for value in (0.0, 1e308, -1e-308, 5.0):
+        result = one.execute_step(SimpleNamespace(sample=[value] * features), 0)
+        one.message(result)
+        one.status_message()
+
+
+VALUES = st.sampled_from([0.0, 1.0, -1.0, 1e-320, 1e150, 1e300, -1e308, 0.1])
+
+
+@pytest.mark.filterwarnings("error")
+@given(
+    st.lists(st.lists(VALUES, min_size=2, max_size=2), min_size=8, max_size=40),
+    st.sampled_from(["ks", "cvm", "ad"]),
+    st.sampled_from([0, 1, 2]),
+    st.booleans(),
+)
+def test_extreme_numbers(
+    folder: Path, rows: list[list[float]], metric: str, components: int, standardize: bool
+) -> None:
+    names = {
+        "ks": "KolmogorovSmirnovDistance",
+        "cvm": "CramerVonMisesDistance",
+        "ad": "AndersonDarlingDistance",
+    }
+    config = (
+        f"window_size: 4\nreference_sample_file: reference.csv\nsignificance_level: 0.3\n"
+        f"distance_metric: {names[metric]}\nn_components: {components}\n"
+        f"standardize: {str(standardize).lower()}\n"
+    )
+    csv = "\n".join(",".join(map(repr, row)) for row in rows)
+    answer(folder, config.encode(), csv.encode())
+
+
+def test_a_sample_equal_to_a_row_has_equal_values() -> None:
+    """Else rounding noise makes quantised samples differ from their own reference."""
+    chance = np.random.RandomState(6)
+    rows = np.round(chance.normal(size=(80, 12)), 1)
+    design = Design(rows, components=5, residual=True, halves=True)
+    for k, row in enumerate(rows[:40]):
+        values = design.values(row)
+        for test, value in enumerate(values):
+            assert value in design.reference[test], (k, test)
+
+
+def test_axes_have_few_digits() -> None:
+    """Their last ones differ between machines."""
+    rows = np.random.RandomState(2).normal(size=(90, 5))
+    table = Design(rows, components=3, residual=True, halves=True).table
+    assert table is not None
+    vectors = table[2:]
+    assert (np.round(vectors, 12) == vectors).all()
+    np.testing.assert_allclose(vectors @ vectors.T, np.eye(3), atol=1e-11)
+
+
+def test_a_sample_in_the_plane_of_the_axes_has_no_residual() -> None:
+    """The digits that axes lack are no residual."""
+    chance = np.random.RandomState(4)
+    rows = chance.normal(size=(100, 2)) @ chance.normal(size=(2, 40)) * 1e6 + 1e5
+    design = Design(rows, components=2, residual=True, halves=True)
+    assert {design.values(row)[2] for row in rows} == {0.0}

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.scope import Metric
-from eddi_scaffold.kinds.safeml.thresholds import theoretical
+from eddi_scaffold.kinds.safeml.thresholds import of_windows, theoretical
 from tests.kinds.safeml.simulation import WINDOW, Rows, planned, power, process, rate
 
 pytestmark = pytest.mark.slow

@@ -8,7 +8,6 @@ import pytest
 from eddi_runtime.safeml import Interpolated, Kolmogorov
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.compile import upwards
 from eddi_scaffold.kinds.safeml.thresholds import (
     can_fire,
@@ -16,6 +15,7 @@ from eddi_scaffold.kinds.safeml.thresholds import (
     critical_values,
     ks_asymptotic,
     ks_tail,
+    of_windows,
     smallest_window,
     theoretical,
 )
