@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.eddi_xml.observers import Observed
+from eddi_scaffold.eddi_xml.extensions import Observed
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.references import References
 from eddi_scaffold.eddi_xml.vocabulary import fold, local_name

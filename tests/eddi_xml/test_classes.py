@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from eddi_scaffold.eddi_xml.reading import read_stream
+from eddi_scaffold.eddi_xml.document import read_stream
 
 TEXT = """<i:DDIPackage xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
  xmlns:f="http://www.deis-project.eu/ode/failureLogic" xmlns:a="http://x/argumentation"

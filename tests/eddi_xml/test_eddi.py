@@ -6,9 +6,8 @@ import re
 import pytest
 
 from eddi_scaffold.eddi_xml import vocabulary
-from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_stream
 from eddi_scaffold.eddi_xml.parsing import Limits
-from eddi_scaffold.eddi_xml.reading import read_stream
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
 from tests.cli.command import ROOT
 from tests.eddi_xml.eddi_texts import ROVER, texts

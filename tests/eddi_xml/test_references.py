@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.eddi_xml.reading import read_stream
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_stream
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
 
 

@@ -13,9 +13,8 @@ from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
-from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_document, recognises
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.eddi_xml.reading import read_document, recognises
 from eddi_scaffold.kinds.reliability import MEANINGS, show
 from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.compile import compile_system
@@ -31,8 +30,7 @@ from eddi_scaffold.kinds.reliability.system import (
 )
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
-from eddi_scaffold.kinds.reliability.write import to_yaml
-from eddi_scaffold.kinds.reliability.write_open_psa import to_open_psa
+from eddi_scaffold.kinds.reliability.write import to_open_psa, to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
