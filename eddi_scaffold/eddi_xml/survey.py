@@ -251,9 +251,8 @@ def event_monitors(document: EddiDocument) -> Iterator[Problem]:
 
 def unused_design(document: EddiDocument) -> Iterator[Problem]:
     """Yield an info (X021) on what the design holds besides systems and services."""
+    waiting = [p for p in document.packages() if document.class_of(p).name == "designpackage"]
     unused: list[Element] = []
-    packages = document.packages()
-    waiting = [p for p in packages if document.class_of(p).name == "designpackage"]
     for element in waiting:
         for child in element.iterchildren():
             feature = fold(feature_of(child))

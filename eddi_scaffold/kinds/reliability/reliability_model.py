@@ -15,12 +15,12 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors,
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document, recognises
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.kinds.reliability import MEANINGS, show
+from eddi_scaffold.kinds.reliability import KEYS, MEANINGS, show
 from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.read_eddi import read_eddi
 from eddi_scaffold.kinds.reliability.read_open_psa import read_open_psa
-from eddi_scaffold.kinds.reliability.read_yaml import KEYS, read_system
+from eddi_scaffold.kinds.reliability.read_yaml import read_system
 from eddi_scaffold.kinds.reliability.system import (
     NAME,
     Chain,
