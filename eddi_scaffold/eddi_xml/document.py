@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from difflib import get_close_matches
-from typing import Any, BinaryIO
+from typing import Any
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, problem
@@ -141,12 +141,7 @@ class EddiDocument:
     def targets(
         self, element: Element, spelling: Spelling
     ) -> tuple[list[Element], list[Problem], bool]:
-        """Resolve the references of one feature, written as attribute or as ``href`` children.
-
-        Returns:
-            The elements pointed at, the problems X003 and X007, and whether there was
-            any reference at all.
-        """
+        """Resolve the references of a feature: ends, problems, and whether there are any."""
         name = self.attribute_name(element, spelling)
         tokens = [(name or "", text) for text in (element.get(name) or "" if name else "").split()]
         for child in self.children(element, spelling):
@@ -223,7 +218,6 @@ class EddiDocument:
         return any(self.is_monitored(each) for each in element.iter())
 
     def _is_chain(self, machine: Element) -> bool:
-        """Tell whether every transition has a rate, and none a trigger."""
         transitions = self.children(machine, names.TRANSITIONS)
         return bool(transitions) and all(
             self.has_rate(transition)
@@ -309,17 +303,10 @@ def read_document(
 ) -> tuple[EddiDocument | None, list[Problem]]:
     """Parse an EDDI; ``None`` and the errors X001 or X003 when that is impossible."""
     with source.open() as stream:
-        return read_stream(stream, source.name, limits)
-
-
-def read_stream(
-    stream: BinaryIO, name: str, limits: Limits = DEFAULT_LIMITS
-) -> tuple[EddiDocument | None, list[Problem]]:
-    """Parse an EDDI from a seekable stream."""
-    element, problems = load(stream, name, limits)
+        element, problems = load(stream, source.name, limits)
     if element is None:
         return None, problems
-    document = EddiDocument(element, name, limits)
+    document = EddiDocument(element, source.name, limits)
     for root in document.roots:
         class_name = local_name(document.class_of(root).printed)
         if fold(class_name) == "ddipackage" and is_misprint(class_name):
@@ -328,10 +315,7 @@ def read_stream(
 
 
 def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
-    """Yield a warning (X006) for each element of a package whose class looks like a misspelt one.
-
-    In the packages that hold chains, trees and networks every unknown class is named.
-    """
+    """Yield a warning (X006) for each element of a package whose class looks misspelt."""
     for package in document.packages():
         if document.is_monitored(package):
             continue  # the root is a model, whose reader knows its parts

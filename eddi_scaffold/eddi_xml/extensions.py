@@ -117,8 +117,6 @@ _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 class _Event(NamedTuple):
-    """One event of the file."""
-
     path: str  # of the value that declares it
     is_hazard: bool  # its polarity is HAZARD
     uses: frozenset[str]  # names in its condition

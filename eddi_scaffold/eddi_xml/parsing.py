@@ -110,11 +110,7 @@ _FIXED = "depth 256 and 10 MB per text or attribute are fixed limits; split the 
 def load(
     stream: BinaryIO, name: str, limits: Limits = DEFAULT_LIMITS
 ) -> tuple[Element | None, list[Problem]]:
-    """Parse a document from a seekable stream.
-
-    Returns:
-        The document element, or ``None`` after an error, and the problems X001, X003, X006.
-    """
+    """Parse a document from a seekable stream; ``None`` after an error (X001, X003)."""
     size = stream.seek(0, 2)
     if size > limits.file_bytes:
         limit = limits.file_bytes
@@ -138,15 +134,12 @@ def load(
 
 
 def line_of(element: Element) -> int | None:
-    """Return the line of an element, counted from 1.
-
-    libxml2 stores lines of elements up to 65,534. Above that it answers with the line on which
-    the next text ends, from which the line of the element follows.
-    """
+    """Return the line of an element, counted from 1."""
     stated: Any = element.sourceline  # the stubs give it no type
     line: int | None = stated
     if line is None or line < _LAST_LINE:
         return line
+    # above, libxml2 answers with the line on which the next text ends
     node: Element | None = element
     while node is not None:
         text = node.text or (None if len(node) else node.tail)
@@ -202,11 +195,8 @@ def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, s
 
 
 def _parse(data: bytes, head: Head, name: str) -> tuple[Element | None, list[str], Problem | None]:
-    """Parse strictly; where only prefixes are undeclared, declare them and parse strictly again.
-
-    Recovery of libxml2 would accept such files too, but silently repairs much else, and its error
-    log, which could show it, ends after 100 entries.
-    """
+    """Parse strictly; where only prefixes are undeclared, declare them and parse strictly again."""
+    # recovery of libxml2 silently repairs much else, and its log ends after 100 entries
     undeclared: list[str] = []
     at = head.root_name_end
     for _ in range(_MAX_REPAIRS):

@@ -110,7 +110,6 @@ _PATHS: Mapping[str, Mapping[str, Sequence[Spelling]]] = {
 
 
 def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]:
-    """Return how much there is of the parts of a model."""
     parts: dict[str, list[Element]] = {}
     for key, path in _PATHS[kind].items():
         parts[key] = [model]
@@ -197,7 +196,6 @@ def unread(document: EddiDocument) -> list[Unread]:
 
 
 def _unread_elements(document: EddiDocument) -> Iterator[Element]:
-    """Yield packages without a model for a monitor, and other models next to such ones."""
     packages = list(document.packages())
     known = set(packages)
     inside: set[Element] = set()
@@ -231,7 +229,6 @@ def _unread_of_child(document: EddiDocument, package: Element, child: Element) -
 
 
 def _is_left_out(document: EddiDocument, element: Element) -> bool:
-    """Tell whether an element is a model or a package that no monitor is made of."""
     name = fold(local_name(document.class_or_feature(element)))
     is_package = name.endswith(("package", "packages")) and not document.holds_models(element)
     is_left_out = is_package or name.endswith("action") or name.removesuffix("s") in _LEFT_OUT

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, count, product
+from typing import Any
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
@@ -30,8 +31,6 @@ def read_eddi(
 
 
 class _Reader:
-    """Reads a document."""
-
     def __init__(self, document: EddiDocument, source: Source) -> None:
         self.document, self.source, self.findings = document, source, EddiFindings(document)
         self.laws, self.common_causes = Laws(self.findings), CommonCauses(self.findings)
@@ -62,9 +61,9 @@ class _Reader:
                 transitions = self.document.children(element, word.TRANSITIONS)
                 rates = [t for t in transitions if self.document.has_rate(t)]
                 if rates:  # it is no chain by its rates alone
-                    numbers = {"rates": len(rates), "number": len(transitions)}
+                    fields: dict[str, Any] = {"rates": len(rates), "number": len(transitions)}
                     machine = self.document.describe(element)
-                    self.findings.report("X014.no_chain", rates[0], machine=machine, **numbers)
+                    self.findings.report("X014.no_chain", rates[0], machine=machine, **fields)
                 self._warn_of_unused(element)
         self.below = {cause: self.targets_of(cause, word.CAUSES) for cause in self.tree_of}
         used = {b for cause, below in self.below.items() for b in below if b is not cause}
@@ -188,8 +187,6 @@ class _Reader:
 
 
 class _TreeReader:
-    """Reads what one top event reaches."""
-
     def __init__(self, reader: _Reader, element: Element, top: Element) -> None:
         self.reader, self.element, self.top = reader, element, top
         self.document, self.findings = reader.document, reader.findings

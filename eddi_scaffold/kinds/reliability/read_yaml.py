@@ -198,10 +198,7 @@ _HEAT = ("t_ref", "t_max", "activation_energy")
 def read_system(
     values: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem | None
 ) -> tuple[ReliabilitySystem | None, list[Problem]]:
-    """Read the keys of a monitor, which change ``base``; ``model: NAME`` names one of the library.
-
-    The system is None after an error (R001, R002, R004, R005).
-    """
+    """Read the keys of a monitor, which change ``base``; ``model:`` names one of the library."""
     before = base or ReliabilitySystem({}, "", place=values.place())
     components = dict(before.components)
     for name, entry in values.entries("models"):
@@ -281,7 +278,6 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
 def _component(
     name: str, entry: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem
 ) -> Mapping[str, ComponentModel]:
-    """Return a model with those of the library that it uses; none after an error."""
     before = base.components.get(name)
     kind = entry.text("type") or (before.type if before else None)
     if kind is None:
@@ -316,7 +312,6 @@ def _content(
     library: Mapping[str, ReliabilitySystem],
     before: ComponentModel | None,
 ) -> Mapping[str, ComponentModel]:
-    """Return a chain or tree, which may change one of the model or of the library."""
     parts: Mapping[str, ComponentModel] = {}
     referred = entry.text("model")
     if referred is not None:
@@ -339,7 +334,6 @@ def _content(
 
 
 def _ready_made(kind: str, entry: Values, name: str) -> Mapping[str, Any]:
-    """Return the numbers of a model that is made of a few."""
     match kind:
         case "propulsion":
             return _propulsion(entry, name)

@@ -196,7 +196,6 @@ def _decided(values: Mapping[str, kinds.JsonValue]) -> dict[str, kinds.JsonValue
 
 
 def _place(root: Node, *path: str | int) -> Place:
-    """Return the place at a path, or that of what encloses it."""
     node = root
     for i, step in enumerate(path):
         below: Node | None = None
@@ -213,7 +212,6 @@ def _place(root: Node, *path: str | int) -> Place:
 
 
 def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
-    """Read the EDDI that the key ``file`` names, relative to the configuration."""
     name = values.text("file")
     if name is None:
         return {}
@@ -231,12 +229,10 @@ def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
 
 
 def _undecided(system: ReliabilitySystem) -> Iterator[Problem]:
-    """Warn of each threshold that decides nothing at the start (R014).
-
-    Where the mission's end is an input, the best is that it comes at once.
-    """
+    """Warn of each threshold that decides nothing at the start (R014)."""
     if not system.thresholds:
         return
+    # the best is that the mission ends at once
     best = at_start(system, seconds_left=0.0 if system.mission_end else None).p_fail
     worst = at_start(system, known=False).p_fail_high
     when = "at mission start" + (", however near the end is" if system.mission_end else "")

@@ -81,7 +81,6 @@ class Values:
         *,
         required: bool = False,
     ) -> Any:
-        """Return a value of the expected type, None where there is none."""
         value = self.data.get(key)
         if value is None and required:
             self.report("R001.missing_key", key=key)

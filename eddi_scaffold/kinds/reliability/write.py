@@ -49,7 +49,6 @@ def _present(**entries: Any) -> dict[str, Any]:
 
 
 def _quantity(key: str, value: Any) -> Any:
-    """Return a number with the unit in which it is kept, where it is written with one."""
     if isinstance(value, list):
         return [_quantity(key, item) for item in value]
     unit = UNITS.get(key, "eV")
@@ -121,30 +120,18 @@ _UNITS = {"exponential": "hours-1", "weibull": "hours"}
 
 
 def to_open_psa(system: ReliabilitySystem) -> str | None:
-    """Return the text; ``None`` for what the format does not have.
-
-    That is everything but a tree of gates without an order, of events with a rate, a Weibull
-    distribution or a probability that are new at the start.
-    """
+    """Return the text; ``None`` for what the format does not have: ages, orders, chains."""
     tree = system.components[system.top].content
-    if not isinstance(tree, FaultTree) or not _fits(tree):
+    if not isinstance(tree, FaultTree) or tree.age:
         return None
+    for event in tree.events.values():
+        if event.law is None or event.law.model or event.age:
+            return None
+    for gate in tree.gates.values():
+        is_repeated = len(set(gate.of)) < len(gate.of) and gate.type not in ("AND", "OR")
+        if gate.type in DYNAMIC or is_repeated:
+            return None
     return "".join(f"{line}\n" for line in _lines(system.top, tree))
-
-
-def _fits(tree: FaultTree) -> bool:
-    laws = [event.law for event in tree.events.values()]
-    ages = [tree.age, *(event.age for event in tree.events.values())]
-    return (
-        all(law is not None and not law.model for law in laws)
-        and not any(ages)
-        and all(_is_static(gate) for gate in tree.gates.values())
-    )
-
-
-def _is_static(gate: Gate) -> bool:
-    repeated = len(set(gate.of)) < len(gate.of) and gate.type not in ("AND", "OR")
-    return gate.type not in DYNAMIC and not repeated
 
 
 def _lines(name: str, tree: FaultTree) -> Iterator[str]:
@@ -153,26 +140,22 @@ def _lines(name: str, tree: FaultTree) -> Iterator[str]:
     for key in tree.reached()[0][::-1]:
         names[key] = _name(key, taken)
         taken.add(names[key])
+    laws = {key: event.law for key, event in tree.events.items() if event.law}
     yield '<?xml version="1.0" encoding="UTF-8"?>'
     yield "<opsa-mef>"
     yield f'  <define-fault-tree name="{_name(name, set())}">'
     for key, own in names.items():
-        gate, event = tree.gates.get(key), tree.events.get(key)
-        if gate is not None:
-            yield f'    <define-gate name="{own}">'
-            yield from _label(gate.name, own)
-            yield f"      {_formula(gate, tree, names)}"
-            yield "    </define-gate>"
-        elif event is not None and event.law is not None:
-            yield f'    <define-basic-event name="{own}">'
-            yield from _label(event.name, own)
-            yield f"      {_law(event.law, own)}"
-            yield "    </define-basic-event>"
+        gate = tree.gates.get(key)
+        type_, label = ("gate", gate.name) if gate else ("basic-event", tree.events[key].name)
+        yield f'    <define-{type_} name="{own}">'
+        if label != own:
+            yield f"      <label>{xml_text(label)}</label>"
+        yield f"      {_formula(gate, tree, names) if gate else _law(laws[key], own)}"
+        yield f"    </define-{type_}>"
     for key, own in names.items():
-        event = tree.events.get(key)
-        if event is not None and event.law is not None and event.law.kind in _UNITS:
-            yield f'    <define-parameter name="{own}" unit="{_UNITS[event.law.kind]}">'
-            yield f'      <float value="{event.law.values[0]!r}"/>'
+        if key in laws and laws[key].kind in _UNITS:
+            yield f'    <define-parameter name="{own}" unit="{_UNITS[laws[key].kind]}">'
+            yield f'      <float value="{laws[key].values[0]!r}"/>'
             yield "    </define-parameter>"
     yield "  </define-fault-tree>"
     yield "</opsa-mef>"
@@ -184,13 +167,7 @@ def _name(text: str, taken: set[str]) -> str:
     return free_name(word if word[:1].isalpha() else f"n{word}", taken)
 
 
-def _label(text: str, name: str) -> Iterator[str]:
-    if text != name:
-        yield f"      <label>{xml_text(text)}</label>"
-
-
 def _formula(gate: Gate, tree: FaultTree, names: dict[str, str]) -> str:
-    """Return the formula of a gate; of one input, it is that input."""
     inputs = [
         f'<{"gate" if key in tree.gates else "basic-event"} name="{names[key]}"/>'
         for key in dict.fromkeys(gate.of)
