@@ -155,7 +155,7 @@ def bare(file: str) -> Iterator[None]:
 def read(file: str) -> Iterator[None]:
     sys.path.insert(0, str(ROOT))
     from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.eddi_xml.reading import read_document
+    from eddi_scaffold.eddi_xml.document import read_document
     from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 
     yield
@@ -171,7 +171,7 @@ def read(file: str) -> Iterator[None]:
 def survey(file: str) -> Iterator[None]:
     sys.path.insert(0, str(ROOT))
     from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.eddi_xml.reading import read_document
+    from eddi_scaffold.eddi_xml.document import read_document
     from eddi_scaffold.eddi_xml.survey import survey as survey_of
 
     yield

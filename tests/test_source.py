@@ -8,7 +8,7 @@ import pytest
 from eddi_scaffold.common import files as source_module
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.eddi_xml.reading import read_document, recognises
+from eddi_scaffold.eddi_xml.document import read_document, recognises
 
 
 def test_a_large_file_reads_like_a_small_one(

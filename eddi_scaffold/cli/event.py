@@ -152,7 +152,7 @@ def _shown(value: bool | float | None) -> str:
 
 def _is_model(path: Path) -> bool:
     """Return whether a file is a model, not the text of a condition."""
-    from eddi_scaffold.eddi_xml.reading import recognises as is_xml
+    from eddi_scaffold.eddi_xml.document import recognises as is_xml
     from eddi_scaffold.kinds import kinds
 
     source = read_source(path)

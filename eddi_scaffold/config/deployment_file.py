@@ -26,7 +26,7 @@ from eddi_scaffold.config.schema import (
     Topic,
     text,
 )
-from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
+from eddi_scaffold.eddi_xml.parsing import looks_like_xml
 from eddi_scaffold.yaml_text.nodes import Map, items_of, read_map
 
 LAST_DOMAIN = 232  # of DDS: the ports of the next one would be beyond 65535

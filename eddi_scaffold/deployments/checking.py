@@ -14,7 +14,7 @@ from eddi_scaffold.deployments.fleet_checks import check_fleet
 from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import members_of
-from eddi_scaffold.eddi_xml.reading import recognises as is_xml
+from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_config

@@ -9,22 +9,44 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from difflib import get_close_matches
 from typing import Any
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.parsing import (
+    DEFAULT_LIMITS,
+    HEAD_BYTES,
     XSI_TYPE,
     Element,
     Limits,
     feature_of,
     line_of,
+    load,
+    looks_like_xml,
     only,
     select,
 )
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
-from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
+from eddi_scaffold.eddi_xml.vocabulary import (
+    METAMODEL,
+    ClassName,
+    Spelling,
+    fold,
+    is_misprint,
+    local_name,
+    package_key,
+)
 
+CLASSES = {group: text.split() for group, text in METAMODEL["classes"].items()}
+KNOWN_CLASSES = frozenset(
+    fold(name) for group in ("models", "packages", "others") for name in CLASSES[group]
+)
+_READ_NAMES = {fold(name): name for name in (*CLASSES["packages"], *CLASSES["models"])}
+_MODELS = ", ".join(CLASSES["models"])
+_COMPLETELY_KNOWN = ("failurelogic", "bayesiannetwork")  # packages: every class should be known
+_SIMILAR = 0.8
 MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
 """Kinds of models that monitors are made of."""
 _BY_CLASS = {
@@ -119,12 +141,7 @@ class EddiDocument:
     def targets(
         self, element: Element, spelling: Spelling
     ) -> tuple[list[Element], list[Problem], bool]:
-        """Resolve the references of one feature, written as attribute or as ``href`` children.
-
-        Returns:
-            The elements pointed at, the problems X003 and X007, and whether there was
-            any reference at all.
-        """
+        """Resolve the references of a feature: ends, problems, and whether there are any."""
         name = self.attribute_name(element, spelling)
         tokens = [(name or "", text) for text in (element.get(name) or "" if name else "").split()]
         for child in self.children(element, spelling):
@@ -196,8 +213,11 @@ class EddiDocument:
         """Tell whether an element is a model that monitors are made of."""
         return self.kind_of(element) in MONITORED
 
+    def holds_models(self, element: Element) -> bool:
+        """Tell whether an element is or contains a model that monitors are made of."""
+        return any(self.is_monitored(each) for each in element.iter())
+
     def _is_chain(self, machine: Element) -> bool:
-        """Tell whether every transition has a rate, and none a trigger."""
         transitions = self.children(machine, names.TRANSITIONS)
         return bool(transitions) and all(
             self.has_rate(transition)
@@ -270,3 +290,51 @@ class EddiFindings:
             message = remark.message + (f" ({times} times)" if times > 1 else "")
             problems.append(replace(remark, message=message, place=place))
         return problems
+
+
+def recognises(source: Source) -> bool:
+    """Return whether a file looks like XML."""
+    with source.open() as stream:
+        return looks_like_xml(stream.read(HEAD_BYTES))
+
+
+def read_document(
+    source: Source, limits: Limits = DEFAULT_LIMITS
+) -> tuple[EddiDocument | None, list[Problem]]:
+    """Parse an EDDI; ``None`` and the errors X001 or X003 when that is impossible."""
+    with source.open() as stream:
+        element, problems = load(stream, source.name, limits)
+    if element is None:
+        return None, problems
+    document = EddiDocument(element, source.name, limits)
+    for root in document.roots:
+        class_name = local_name(document.class_of(root).printed)
+        if fold(class_name) == "ddipackage" and is_misprint(class_name):
+            problems.append(problem("X006.root", document.place(root), name=class_name))
+    return document, [*problems, *unknown_classes(document)]
+
+
+def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
+    """Yield a warning (X006) for each element of a package whose class looks misspelt."""
+    for package in document.packages():
+        if document.is_monitored(package):
+            continue  # the root is a model, whose reader knows its parts
+        for element in package.iterchildren():
+            class_name = document.class_of(element)
+            if element.get(XSI_TYPE) is None or class_name.name in KNOWN_CLASSES:
+                continue
+            similar = get_close_matches(class_name.name, _READ_NAMES, 1, _SIMILAR)
+            meant = _READ_NAMES[similar[0]] if similar else None
+            is_package = class_name.name.endswith("package")
+            if meant is None and (class_name.package not in _COMPLETELY_KNOWN or is_package):
+                continue
+            name = element.get("name")
+            subject = feature_of(element) + (f' "{name}"' if name else "")
+            is_read = document.holds_models(element)
+            yield problem(
+                "X006.unknown_class" if is_read else "X006.unread_class",
+                document.place(element),
+                hint=f"did you mean {meant!r}?" if meant else f"known are: {_MODELS}",
+                subject=subject,
+                class_name=class_name.printed,
+            )

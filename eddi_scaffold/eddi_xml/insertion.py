@@ -28,8 +28,6 @@ _ONLY_IN_EDDI = ("frequency", "artifact")
 
 
 class _Span(NamedTuple):
-    """Where an element stands in the text."""
-
     start: int
     start_ends: int
     end: int
@@ -41,9 +39,6 @@ def with_map(
     data: bytes, document: EddiDocument, at: Element, key: str, values: Sequence[tuple[str, str]]
 ) -> bytes:
     """Return the bytes of an EDDI with a map on an element; one of the same model is replaced.
-
-    Of the tags and texts that of the model comes first; what a file of its own has no place for
-    stays as it was.
 
     Raises:
         EddiError: the file cannot be changed as a text (X036).
@@ -84,7 +79,6 @@ def with_map(
 
 
 def _spans(text: str) -> list[_Span]:
-    """Return the elements of a well-formed text, in the order of their start tags."""
     spans: list[_Span] = []
     open_: list[int] = []
     for match in _MARKUP.finditer(text):

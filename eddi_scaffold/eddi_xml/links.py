@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.eddi_xml.observers import Observed
+from eddi_scaffold.eddi_xml.extensions import Observed
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.references import References
 from eddi_scaffold.eddi_xml.vocabulary import fold, local_name
@@ -94,8 +94,6 @@ def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
 
 
 class _LinkGraph:
-    """Which elements of an EDDI refer to which."""
-
     def __init__(self, document: EddiDocument, observed: Observed) -> None:
         self._document = document
         self._references = References(document.roots)  # must not disturb a reader's remarks
@@ -151,7 +149,6 @@ class _LinkGraph:
         return Link(class_name, name, place.path or "/", place.line)
 
     def _visit(self, root: Element) -> None:
-        """Note what refers to what."""
         waiting = [root]
         while waiting:
             element = waiting.pop()
@@ -191,7 +188,6 @@ class _LinkGraph:
                 self._referring[self._path(end)][self._path(start)] = start
 
     def _targets(self, element: Element) -> Iterator[tuple[str, list[Element]]]:
-        """Yield the features of an element that refer to others, by path or by ``xmi:id``."""
         for key, value in element.attrib.items():
             name, tokens = str(key), [token.removeprefix("#") for token in str(value).split()]
             if name.startswith("{") or fold(name) in _TEXTS:
@@ -206,7 +202,6 @@ class _LinkGraph:
                 yield fold(local_name(name)), ends
 
     def _ends(self, start: str) -> list[Element]:
-        """Return what is linked with an element, the nearest first."""
         first = {start: None}
         for path in (waiting := [start]):
             new = [other for other in self._stands_for.get(path, ()) if other not in first]
@@ -255,7 +250,6 @@ class _LinkGraph:
         return self._packages[element]
 
     def _owner(self, element: Element) -> Element:
-        """Return the element with a name that a nested one belongs to."""
         owner = element
         while not (owner.get("name") or owner.get("gid")):
             parent = owner.getparent()

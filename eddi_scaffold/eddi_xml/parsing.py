@@ -6,6 +6,7 @@ No document type declaration, no entity, no network, no other file; libxml2 limi
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Callable, Sequence
 from typing import Any, BinaryIO, NamedTuple, TypeAlias
@@ -14,7 +15,71 @@ from lxml import etree
 
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.vocabulary import local_name
-from eddi_scaffold.eddi_xml.xml_text import Head, read_head, syntax_hint
+
+HEAD_BYTES = 1 << 16  # how much of a file is looked at before it is parsed
+
+_STARTS = (
+    (codecs.BOM_UTF8, 3, "latin-1"),
+    (codecs.BOM_UTF16_LE, 2, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, 2, "utf-16-be"),
+    (b"<\0", 0, "utf-16-le"),
+    (b"\0<", 0, "utf-16-be"),
+    (b"", 0, "latin-1"),
+)
+"""First bytes -> length of the byte order mark, encoding."""
+_DECLARATION = re.compile(r"<\?xml\s")
+_PROLOG = re.compile(r"(?:[^<]|<!--.*?-->|<\?.*?\?>)*", re.DOTALL)
+"""Up to a document type declaration or the document element. Nothing may follow in this pattern:
+it would try every way to divide the comments."""
+_ROOT_NAME = re.compile(r"<[^\s/>!?]+")
+
+
+class Head(NamedTuple):
+    """The first bytes of a document, decoded far enough to see its markup."""
+
+    # after a byte order mark; other than UTF-16 read as Latin-1, which keeps byte offsets and every
+    # ASCII character
+    text: str
+    encoding: str  # codec of `text`
+    root_line: int  # of a document type declaration, or of the document element
+    has_doctype: bool
+    root_name_end: int | None  # byte offset behind the name of the document element
+
+
+def read_head(data: bytes) -> Head:
+    """Decode the first bytes of a document."""
+    length, encoding = next(row[1:] for row in _STARTS if data.startswith(row[0]))
+    text = data[length:HEAD_BYTES].decode(encoding, "ignore")
+    prolog = _PROLOG.match(text)
+    start = prolog.end() if prolog is not None else 0
+    name = _ROOT_NAME.match(text, start)
+    end = None if name is None else length + len(text[: name.end()].encode(encoding))
+    line = text.count("\n", 0, start) + 1
+    return Head(text, encoding, line, text.startswith("<!DOCTYPE", start), end)
+
+
+def looks_like_xml(data: bytes) -> bool:
+    """Return whether the first character that is not white space is ``<``."""
+    return read_head(data[:HEAD_BYTES]).text.lstrip().startswith("<")
+
+
+def syntax_hint(head: Head, message: str) -> str | None:
+    """Return what to do about a syntax error, where the cause is a common one."""
+    text = head.text
+    declaration = _DECLARATION.search(text)
+    if not text.strip():
+        return "the file is empty"
+    if declaration and declaration.start() > 0:
+        return (
+            "the XML declaration must be the first thing in the file; "
+            "move the text before it below it"
+        )
+    if declaration and text[: text.find(">") + 1].count('"') % 2:
+        return "quote missing in the XML declaration"
+    if "Premature end of data" in message or "EndTag: '</' not found" in message:
+        return "the file is cut off: the end tag of the first element is missing"
+    return None if text.lstrip().startswith("<") else "this is not an XML file"
+
 
 Element: TypeAlias = etree._Element  # noqa: SLF001 - lxml has no public name for it
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
@@ -45,11 +110,7 @@ _FIXED = "depth 256 and 10 MB per text or attribute are fixed limits; split the 
 def load(
     stream: BinaryIO, name: str, limits: Limits = DEFAULT_LIMITS
 ) -> tuple[Element | None, list[Problem]]:
-    """Parse a document from a seekable stream.
-
-    Returns:
-        The document element, or ``None`` after an error, and the problems X001, X003, X006.
-    """
+    """Parse a document from a seekable stream; ``None`` after an error (X001, X003)."""
     size = stream.seek(0, 2)
     if size > limits.file_bytes:
         limit = limits.file_bytes
@@ -73,15 +134,12 @@ def load(
 
 
 def line_of(element: Element) -> int | None:
-    """Return the line of an element, counted from 1.
-
-    libxml2 stores lines of elements up to 65,534. Above that it answers with the line on which
-    the next text ends, from which the line of the element follows.
-    """
+    """Return the line of an element, counted from 1."""
     stated: Any = element.sourceline  # the stubs give it no type
     line: int | None = stated
     if line is None or line < _LAST_LINE:
         return line
+    # above, libxml2 answers with the line on which the next text ends
     node: Element | None = element
     while node is not None:
         text = node.text or (None if len(node) else node.tail)
@@ -137,11 +195,8 @@ def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, s
 
 
 def _parse(data: bytes, head: Head, name: str) -> tuple[Element | None, list[str], Problem | None]:
-    """Parse strictly; where only prefixes are undeclared, declare them and parse strictly again.
-
-    Recovery of libxml2 would accept such files too, but silently repairs much else, and its error
-    log, which could show it, ends after 100 entries.
-    """
+    """Parse strictly; where only prefixes are undeclared, declare them and parse strictly again."""
+    # recovery of libxml2 silently repairs much else, and its log ends after 100 entries
     undeclared: list[str] = []
     at = head.root_name_end
     for _ in range(_MAX_REPAIRS):

@@ -35,8 +35,6 @@ def parse_fragment(text: str) -> Fragment | None:
 
 
 class _Children:
-    """The children of one element by feature."""
-
     def __init__(self, parent: Element) -> None:
         self._parent = parent
         self.by_name: dict[str, list[Element]] = {}

@@ -11,27 +11,18 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from eddi_scaffold.common.problems import Place, Problem, plural, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
-from eddi_scaffold.eddi_xml.document import MONITORED, EddiDocument
+from eddi_scaffold.eddi_xml.document import CLASSES, KNOWN_CLASSES, MONITORED, EddiDocument
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
-from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, Element, feature_of, select
+from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, Spelling, fold, local_name
 
-_CLASSES = {group: text.split() for group, text in METAMODEL["classes"].items()}
-_KNOWN = frozenset(
-    fold(name) for group in ("models", "packages", "others") for name in _CLASSES[group]
-)
-_READ_CLASSES = {fold(name): name for name in (*_CLASSES["packages"], *_CLASSES["models"])}
-_READ, _LEFT_OUT = frozenset(_CLASSES["read"]), frozenset(_CLASSES["left_out"])
-_MODELS = ", ".join(_CLASSES["models"])
-_COMPLETELY_KNOWN = ("failurelogic", "bayesiannetwork")  # packages: every class should be known
-_SIMILAR = 0.8
+_READ, _LEFT_OUT = frozenset(CLASSES["read"]), frozenset(CLASSES["left_out"])
 _MAPS = "keyvaluemaps"
 # names in the namespaces of all generations of the metamodel
 _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
@@ -119,7 +110,6 @@ _PATHS: Mapping[str, Mapping[str, Sequence[Spelling]]] = {
 
 
 def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]:
-    """Return how much there is of the parts of a model."""
     parts: dict[str, list[Element]] = {}
     for key, path in _PATHS[kind].items():
         parts[key] = [model]
@@ -206,7 +196,6 @@ def unread(document: EddiDocument) -> list[Unread]:
 
 
 def _unread_elements(document: EddiDocument) -> Iterator[Element]:
-    """Yield packages without a model for a monitor, and other models next to such ones."""
     packages = list(document.packages())
     known = set(packages)
     inside: set[Element] = set()
@@ -215,7 +204,7 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
             continue  # a model by itself is read completely
         if package.getparent() in inside:
             inside.add(package)  # reported with the enclosing package
-        elif document.class_of(package).name in _READ or _holds_models(document, package):
+        elif document.class_of(package).name in _READ or document.holds_models(package):
             for child in package.iterchildren():
                 if child not in known and fold(feature_of(child)) != _MAPS:
                     yield from _unread_of_child(document, package, child)
@@ -227,7 +216,7 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
 def _unread_of_child(document: EddiDocument, package: Element, child: Element) -> Iterator[Element]:
     """Yield what is not read of a child of a package that is, at least in part."""
     is_read = document.class_of(package).name in _READ - {"ddipackage"}
-    if not is_read and not _holds_models(document, child):
+    if not is_read and not document.holds_models(child):
         yield child
         return
     waiting = [child]
@@ -240,15 +229,10 @@ def _unread_of_child(document: EddiDocument, package: Element, child: Element) -
 
 
 def _is_left_out(document: EddiDocument, element: Element) -> bool:
-    """Tell whether an element is a model or a package that no monitor is made of."""
     name = fold(local_name(document.class_or_feature(element)))
-    is_package = name.endswith(("package", "packages")) and not _holds_models(document, element)
+    is_package = name.endswith(("package", "packages")) and not document.holds_models(element)
     is_left_out = is_package or name.endswith("action") or name.removesuffix("s") in _LEFT_OUT
     return is_left_out and not document.is_monitored(element)
-
-
-def _holds_models(document: EddiDocument, element: Element) -> bool:
-    return any(document.is_monitored(each) for each in element.iter())
 
 
 def event_monitors(document: EddiDocument) -> Iterator[Problem]:
@@ -264,15 +248,14 @@ def event_monitors(document: EddiDocument) -> Iterator[Problem]:
 
 def unused_design(document: EddiDocument) -> Iterator[Problem]:
     """Yield an info (X021) on what the design holds besides systems and services."""
+    waiting = [p for p in document.packages() if document.class_of(p).name == "designpackage"]
     unused: list[Element] = []
-    packages = document.packages()
-    waiting = [p for p in packages if document.class_of(p).name == "designpackage"]
     for element in waiting:
         for child in element.iterchildren():
             feature = fold(feature_of(child))
-            if feature in _CLASSES["design"]:
+            if feature in CLASSES["design"]:
                 waiting.append(child)
-            elif feature != _MAPS and not _holds_models(document, child):
+            elif feature != _MAPS and not document.holds_models(child):
                 unused.append(child)
     if unused:
         counts = Counter(map(feature_of, unused))
@@ -285,7 +268,7 @@ def foreign(document: EddiDocument) -> Problem | None:
     """Return F003 for XML that is not an EDDI by any of its roots, ``None`` for one that may be."""
     for root in document.roots:
         uri = str(root.tag).rpartition("}")[0]
-        if document.class_of(root).name in _KNOWN or _ODE.search(uri) is not None:
+        if document.class_of(root).name in KNOWN_CLASSES or _ODE.search(uri) is not None:
             return None
     root = document.roots[0] if document.roots else document.document
     name, place = feature_of(root), document.place(root)
@@ -293,35 +276,6 @@ def foreign(document: EddiDocument) -> Problem | None:
     if format_ is not None:
         return problem("F003.foreign", place, name=name, format=format_)
     return problem("F003.root", place, name=name)
-
-
-def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
-    """Yield a warning (X006) for each element of a package whose class looks like a misspelt one.
-
-    In the packages that hold chains, trees and networks every unknown class is named.
-    """
-    for package in document.packages():
-        if document.is_monitored(package):
-            continue  # the root is a model, whose reader knows its parts
-        for element in package.iterchildren():
-            class_name = document.class_of(element)
-            if element.get(XSI_TYPE) is None or class_name.name in _KNOWN:
-                continue
-            similar = get_close_matches(class_name.name, _READ_CLASSES, 1, _SIMILAR)
-            meant = _READ_CLASSES[similar[0]] if similar else None
-            is_package = class_name.name.endswith("package")
-            if meant is None and (class_name.package not in _COMPLETELY_KNOWN or is_package):
-                continue
-            name = element.get("name")
-            subject = feature_of(element) + (f' "{name}"' if name else "")
-            is_read = _holds_models(document, element)
-            yield problem(
-                "X006.unknown_class" if is_read else "X006.unread_class",
-                document.place(element),
-                hint=f"did you mean {meant!r}?" if meant else f"known are: {_MODELS}",
-                subject=subject,
-                class_name=class_name.printed,
-            )
 
 
 def check_features(document: EddiDocument) -> Iterator[Problem]:

@@ -38,7 +38,7 @@ from eddi_scaffold.config.file import (
     violations,
 )
 from eddi_scaffold.config.schema import Config, ModelSection
-from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
+from eddi_scaffold.eddi_xml.parsing import looks_like_xml
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, read_map
 

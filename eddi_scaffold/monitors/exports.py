@@ -9,8 +9,8 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.diagrams.svg import drawn
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.insertion import with_map
-from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models, select_models, unfit

@@ -23,12 +23,11 @@ from eddi_scaffold.common.problems import (
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model, named_model_path
 from eddi_scaffold.eddi_xml import survey
-from eddi_scaffold.eddi_xml.extensions import check_maps
+from eddi_scaffold.eddi_xml.document import read_document
+from eddi_scaffold.eddi_xml.document import recognises as is_xml
+from eddi_scaffold.eddi_xml.extensions import Observed, check_maps
 from eddi_scaffold.eddi_xml.links import links_in, links_of
-from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import select
-from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import Kind, Model, Options, ReadResult, kinds
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.yaml_text.nodes import read_map

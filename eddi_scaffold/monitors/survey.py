@@ -12,8 +12,8 @@ from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
-from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.eddi_xml.reading import recognises as is_xml
+from eddi_scaffold.eddi_xml.document import read_document
+from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.survey import foreign, survey, unread
 from eddi_scaffold.kinds import JsonValue, Model, kinds
 from eddi_scaffold.monitors.config_reading import read_config

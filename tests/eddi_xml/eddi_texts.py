@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import in_order
-from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 

@@ -1,10 +1,9 @@
 """Classes that nobody knows: a misspelt one is named, those of other tools are left in peace."""
 
-import io
-
 import pytest
 
-from eddi_scaffold.eddi_xml.reading import read_stream
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.eddi_xml.document import read_document
 
 TEXT = """<i:DDIPackage xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
  xmlns:f="http://www.deis-project.eu/ode/failureLogic" xmlns:a="http://x/argumentation"
@@ -17,7 +16,7 @@ TEXT = """<i:DDIPackage xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
 
 def said(package: str, model: str) -> list[str]:
     text = TEXT.replace("PACKAGE", package).replace("MODEL", model)
-    document, problems = read_stream(io.BytesIO(text.encode()), "m.xml")
+    document, problems = read_document(Source("m.xml", text.encode()))
     assert document is not None
     return [f"{p.place.line}: {p.level} {p.code} {p.message} | {p.hint}" for p in problems]
 

@@ -1,21 +1,20 @@
 """Binding and survey: every kind of package is listed, whatever the generation of its metamodel."""
 
-import io
 import re
 
 import pytest
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.eddi_xml import vocabulary
-from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.eddi_xml.parsing import Limits
-from eddi_scaffold.eddi_xml.reading import read_stream
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
 from tests.cli.command import ROOT
 from tests.eddi_xml.eddi_texts import ROVER, texts
 
 
 def document(text: str) -> EddiDocument:
-    found, problems = read_stream(io.BytesIO(text.encode()), "m.xml")
+    found, problems = read_document(Source("m.xml", text.encode()))
     assert found is not None
     assert problems == []
     return found
@@ -56,7 +55,7 @@ def test_classes_are_bound_without_prefix_and_case() -> None:
 
 def test_too_many_references() -> None:
     data = b'<r><a/><b to="//@a //@a //@a"/></r>'
-    doc, _ = read_stream(io.BytesIO(data), "m.xml", Limits(reference_tokens=2))
+    doc, _ = read_document(Source("m.xml", data), Limits(reference_tokens=2))
     assert doc is not None
     _, problems, _ = doc.targets(doc.roots[0][1], Spelling("to"))
     assert texts(problems) == ["m.xml:1: error X003: to has 3 references, more than the limit of 2"]

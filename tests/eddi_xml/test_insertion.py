@@ -7,9 +7,9 @@ from lxml import etree
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.insertion import with_map
 from eddi_scaffold.eddi_xml.parsing import select
-from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.monitors.exports import written_into
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import ROOT, run

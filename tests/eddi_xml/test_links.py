@@ -5,9 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.eddi_xml.links import links_of
-from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of

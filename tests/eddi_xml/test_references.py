@@ -1,4 +1,3 @@
-import io
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
@@ -6,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.eddi_xml.reading import read_stream
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
 
 
@@ -34,7 +33,7 @@ def test_what_is_no_fragment(text: str) -> None:
 
 
 def document(text: str) -> EddiDocument:
-    found, _ = read_stream(io.BytesIO(text.encode()), "m.xml")
+    found, _ = read_document(Source("m.xml", text.encode()))
     assert found is not None
     return found
 

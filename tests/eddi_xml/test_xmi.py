@@ -5,8 +5,8 @@ import io
 import pytest
 
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.parsing import Limits, load
-from eddi_scaffold.eddi_xml.reading import read_document
 from tests.eddi_xml.eddi_texts import ROVER, codes, read, texts
 
 BOM = b"\xef\xbb\xbf"

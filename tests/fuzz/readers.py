@@ -25,7 +25,7 @@ from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.deployments.drawing import picture_of_fleet
 from eddi_scaffold.deployments.fleet_checks import sites_of
 from eddi_scaffold.diagrams.svg import drawn
-from eddi_scaffold.eddi_xml.reading import recognises as is_xml
+from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.config_reading import read_config

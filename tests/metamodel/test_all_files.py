@@ -5,8 +5,8 @@ import re
 import pytest
 
 from eddi_scaffold.common.files import read_source
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.parsing import XMI
-from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, expected

@@ -1,8 +1,8 @@
 """Links of guarantees, evidence and failures to what other packages hold."""
 
 from eddi_scaffold.common.files import read_source
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.links import links_of
-from eddi_scaffold.eddi_xml.reading import read_document
 from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, expected
 

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.kinds.reliability.show import cut_sets
 from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilitySystem

@@ -15,8 +15,8 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
 from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, read_xml_formats
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits

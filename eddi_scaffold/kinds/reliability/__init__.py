@@ -26,7 +26,7 @@ _TYPE = re.compile(rb"\btype[\"']?\s*:\s*[\"']?(?:propulsion|k_out_of_n|fault_tr
 _CONFIG = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:Model|SimulatorOutputs?|EDDIInputs|EDDIOutputs)["']?\s*:"""
 )
-_KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
+KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 
 _THRESHOLD = "`field: evidence[ID].active` of a threshold"
 _NUMBER = claims.Meaning(
@@ -88,7 +88,7 @@ KIND = Kind(
     model="reliability_model.ReliabilityModel",
     topic="reliability",
     in_eddi=CHAINS_AND_TREES,
-    options=_KEYS,
+    options=KEYS,
     without_input="p_fail is the worst case of it, and not valid",
     inputs_of_model=False,  # `observe` and `observed` of a configuration make inputs
     requirements=("numpy",),

@@ -45,11 +45,8 @@ def rates_of(chain: Chain) -> Matrix:
 
 
 def propagator(rates: Matrix, hours: float) -> Matrix:
-    """Return the probabilities of transitions in some hours: an exponential of a matrix.
-
-    By Horner in a non-negative matrix and squarings. Entries are non-negative and rows sum to one
-    by construction; each entry keeps its relative accuracy, however small it is.
-    """
+    """Return the probabilities of transitions in some hours; however small, they are accurate."""
+    # by Horner in a non-negative matrix and squarings: rows sum to one by construction
     exits = [fsum(row) for row in rates]
     fastest = max(exits)
     size = range(len(rates))
@@ -73,11 +70,7 @@ def propagator(rates: Matrix, hours: float) -> Matrix:
 
 
 def mean_times(chain: Chain) -> list[float]:
-    """Return the mean time to failure in hours from each state; 0 in a fail state.
-
-    ``inf`` where failure is not certain: some reachable state cannot fail. Without subtractions,
-    so that rates of any ratio lose nothing.
-    """
+    """Return the mean hours to failure from each state; ``inf`` where it is not certain."""
     rates, fail = rates_of(chain), sorted(set(chain.fail))
     sure = certain(chain)
     tau = [inf] * len(rates)

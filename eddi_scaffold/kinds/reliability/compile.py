@@ -39,8 +39,7 @@ def compile_system(
 ) -> CompiledMonitor:
     """Return the compiled monitor of a checked system, or of these models in place of its own.
 
-    Sums are written out of chains and diagrams with at most so many states and nodes; with 0 states
-    no number is of one horizon.
+    Sums are written out up to so many states and nodes; with 0 states no number is of one horizon.
     """
     lowered = lowered or lowering.lower(system)
     time = chains.Time(system.quantum / 3600.0, system.horizon, moving=system.mission_end)
@@ -175,7 +174,6 @@ class _Classes:
                 return self._tree(component)
 
     def _chain(self, name: str, chain: chains.Chain, about: str) -> str:
-        """Write the class of a chain; return the call that constructs one."""
         name = f"{name}{self.place}"
         write = chains.chain_lines if len(chain.states) <= self.states else chains.chain_table_lines
         self.lines += [f"# {about}"] if about else []
@@ -206,10 +204,7 @@ def _heat(heat: lowering.Heat | None) -> dict[str, py.Part]:
 def tree_lines(
     name: str, tree: lowering.FaultTree, orders: Sequence[tuple[int, str]], limit: int
 ) -> Iterator[str]:
-    """Yield the class of a tree; sums are written out of up to ``limit`` nodes.
-
-    ``orders`` are pairs of an event that stands for a dynamic gate and the class of its chain.
-    """
+    """Yield the class of a tree; ``orders``: event that is a dynamic gate, class of its chain."""
     events, diagram = tree.events, tree.diagram
     is_written_out = diagram is not None and diagram.size <= limit
     exact = "tree.FaultTree" if is_written_out else "large_tree.LargeTree"

@@ -70,9 +70,8 @@ def build(
 ) -> Diagram:
     """Return the diagram of a tree; each gate refers to so many events and to gates before it.
 
-    The events ``first`` come first in the order of a tree that is not coherent: those that may be
-    unknown at run time, so that their intervals are exact. The known ones are certain, or cannot
-    happen.
+    ``first`` may be unknown at run time: they come first where the tree is not coherent, so that
+    their intervals are exact. ``known`` are certain, or cannot happen.
 
     Raises:
         TooLargeError: there would be more nodes than the limit, also on the way.
@@ -131,10 +130,7 @@ def _smallest(
 def _orders(
     gates: Mapping[int, Gate], top: int, first: frozenset[int]
 ) -> Iterator[tuple[int, ...]]:
-    """Yield orders of the variables below a gate: of their first visit.
-
-    Inputs are visited as they stand, small ones first, and those that most gates share first.
-    """
+    """Yield orders of variables by their first visit: as they stand, small or shared ones first."""
     size: dict[int, int] = {}
     for number, gate in gates.items():
         size[number] = min(sum(size.get(n, 1) for n in gate.of), _LARGEST)
@@ -217,7 +213,6 @@ class _Builder:
         return node
 
     def _ite(self, f: int, g: int, h: int) -> int:
-        """Return if f then g else h, with a stack of its own."""
         level, high, low, memo = self._level, self._high, self._low, self._memo
         results: list[int] = []
         keys: list[tuple[int, int, int]] = []

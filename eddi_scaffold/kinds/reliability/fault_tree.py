@@ -105,10 +105,9 @@ def reached(
     *,
     behind: bool = False,
 ) -> list[int]:
-    """Return the numbers below the top, depth first, in the order of their first visit.
+    """Return the numbers below the top, but not below ``borders``, in the order of the first visit.
 
-    Nothing is visited below ``borders`` other than the top; ``behind``: each behind those that it
-    refers to.
+    Or, with ``behind``, each behind those that it refers to.
     """
     entered: dict[int, None] = {}
     finished: dict[int, None] = {}
@@ -211,12 +210,8 @@ def minimal_cut_sets(
 ) -> tuple[frozenset[int], ...] | None:
     """Return the minimal cut sets as sets of events, shortest first; known events are in none.
 
-    Each gate refers to so many events and to gates before it; so many sets may be made and compared
-    on the way.
-
-    Returns:
-        The complete list; None where the tree has NOT or XOR, so that no set of events is
-        sufficient, where a gate has more than ``CUT_SETS`` sets, or where it takes more work.
+    None where the tree has NOT or XOR, so that no set of events is sufficient, where a gate has
+    more than ``CUT_SETS`` sets, or where more than so many are made and compared.
     """
     used = sorted(reached({events + i: gate for i, gate in enumerate(gates)}, top))
     if any(gates[n - events].type not in COHERENT for n in used if n >= events):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import count
+from itertools import chain, count, product
+from typing import Any
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
@@ -25,38 +26,32 @@ def read_eddi(
     document: EddiDocument, source: Source
 ) -> tuple[list[system.ReliabilitySystem], list[Problem]]:
     """Return a system for every chain and every top event of a document, in its order."""
-    findings = EddiFindings(document)
-    systems = _Reader(document, source, findings).systems()
-    return systems, findings.problems()
+    reader = _Reader(document, source)
+    return list(reader.systems()), reader.findings.problems()
 
 
 class _Reader:
-    """Reads a document."""
-
-    def __init__(self, document: EddiDocument, source: Source, findings: EddiFindings) -> None:
-        self.document, self.source, self.findings = document, source, findings
-        self.laws, self.common_causes = Laws(findings), CommonCauses(findings)
+    def __init__(self, document: EddiDocument, source: Source) -> None:
+        self.document, self.source, self.findings = document, source, EddiFindings(document)
+        self.laws, self.common_causes = Laws(self.findings), CommonCauses(self.findings)
         self.names: dict[Element, str] = {}  # of chains and trees
-        self.chains: dict[
-            str, system.ComponentModel
-        ] = {}  # also those of which only a state counts
+        # also those of which only a state counts
+        self.chains: dict[str, system.ComponentModel] = {}
         self.states: dict[Element, tuple[str, str]] = {}  # state -> its chain, its name there
         self.states_of: dict[Element, list[Element]] = {}  # failure -> the states that are it
         self.tree_of: dict[Element, Element] = {}  # cause -> its tree
         self.below: dict[Element, list[Element]] = {}  # cause -> those that it refers to
 
-    def systems(self) -> list[system.ReliabilitySystem]:
+    def systems(self) -> Iterator[system.ReliabilitySystem]:
         elements = [e for root in self.document.roots for e in select(root, CHAINS_AND_TREES)]
         for element in elements:
             kind = self.document.kind_of(element)
             if kind in ("markov_chain", "fault_tree"):
-                name = unique = self.name_of(element, self.source.stem)
-                numbers = count(2)
-                while unique in self.names.values():
-                    unique = f"{name}#{next(numbers)}"
-                if unique != name:
+                name = self.name_of(element, self.source.stem)
+                names = chain([name], (f"{name}#{number}" for number in count(2)))
+                self.names[element] = next(n for n in names if n not in self.names.values())
+                if self.names[element] != name:
                     self.findings.report("R013.same_name", element, name=name)
-                self.names[element] = unique
             if kind == "markov_chain":
                 self._read_chain(element, self.names[element])
             elif kind == "fault_tree":
@@ -66,23 +61,18 @@ class _Reader:
                 transitions = self.document.children(element, word.TRANSITIONS)
                 rates = [t for t in transitions if self.document.has_rate(t)]
                 if rates:  # it is no chain by its rates alone
-                    machine, number = self.document.describe(element), len(transitions)
-                    self.findings.report(
-                        "X014.no_chain", rates[0], machine=machine, rates=len(rates), number=number
-                    )
+                    fields: dict[str, Any] = {"rates": len(rates), "number": len(transitions)}
+                    machine = self.document.describe(element)
+                    self.findings.report("X014.no_chain", rates[0], machine=machine, **fields)
                 self._warn_of_unused(element)
         self.below = {cause: self.targets_of(cause, word.CAUSES) for cause in self.tree_of}
         used = {b for cause, below in self.below.items() for b in below if b is not cause}
-        systems: list[system.ReliabilitySystem] = []
         for element, name in self.names.items():
             if name in self.chains:
                 place = self.document.place(element)
-                systems.append(
-                    system.ReliabilitySystem({name: self.chains[name]}, name, place=place)
-                )
+                yield system.ReliabilitySystem({name: self.chains[name]}, name, place=place)
             else:
-                systems += self._systems_of_tree(element, name, used)
-        return systems
+                yield from self._systems_of_tree(element, name, used)
 
     def targets_of(self, element: Element, spelling: Spelling) -> list[Element]:
         elements, problems, _ = self.document.targets(element, spelling)
@@ -105,8 +95,7 @@ class _Reader:
             states[state] = label if label not in states.values() else f"{label}#{i}"
         transitions = self.document.children(element, word.TRANSITIONS)
         arcs = [arc for transition in transitions for arc in self._arcs(transition, states)]
-        initial: list[str] = []
-        fail, fail_by_failures = [], []
+        initial, fail, fail_by_failures = [], [], []
         for state, label in states.items():
             self.states[state] = name, label
             older = self.failures_of(state, word.FAIL_STATE)
@@ -119,19 +108,19 @@ class _Reader:
                 fail_by_failures.append(label)
             initial += [label] if self._is(state, word.IS_INITIAL) else []
         self._warn_of_unused(element)
-        starts, fails = tuple(initial), tuple(fail or fail_by_failures)
-        chain = system.Chain(tuple(states.values()), starts, fails, tuple(arcs))
+        ends = tuple(initial), tuple(fail or fail_by_failures)
+        content = system.Chain(tuple(states.values()), *ends, tuple(arcs))
         place = self.document.place(element)
-        self.chains[name] = system.ComponentModel(name, "markov", chain, place=place)
+        self.chains[name] = system.ComponentModel(name, "markov", content, place=place)
 
     def _warn_of_unused(self, machine: Element) -> None:
         """Warn of what would change the probabilities of a chain, and is not used."""
-        subject = self.document.describe(machine)
-        parents = self.document.children(machine, word.STATES)
-        pairs = [(parent, word.INITIAL_PROBABILITY) for parent in parents]
+        fields = {"machine": self.document.describe(machine)}
+        states = self.document.children(machine, word.STATES)
+        pairs = [(state, word.INITIAL_PROBABILITY) for state in states]
         for parent, feature in [*pairs, (machine, word.TRANSITION_MATRICES)]:
             for child in self.document.children(parent, feature):
-                self.findings.count("X014.of_machine", child, machine=subject, feature=feature.name)
+                self.findings.count("X014.of_machine", child, feature=feature.name, **fields)
 
     def _arcs(self, transition: Element, states: Mapping[Element, str]) -> Iterator[system.Arc]:
         sources = self.targets_of(transition, word.FROM_STATES)
@@ -143,7 +132,7 @@ class _Reader:
         if len(sources) * len(targets) > 1:
             self.findings.count("X020.joins", transition, subject=subject)
         rate = self.laws.of_transition(transition)
-        for source, target in ((source, target) for source in sources for target in targets):
+        for source, target in product(sources, targets):
             if source not in states or target not in states:
                 self.findings.report("X020.other_model", transition, subject=subject)
             elif source is target:
@@ -182,10 +171,9 @@ class _Reader:
             failures = self.failures_of(cause, word.FAILURE)
             origins = (self.document.attribute(f, word.ORIGIN_TYPE) or "" for f in failures)
             outputs += [cause] if "output" in map(fold, origins) else []
-        tops = stated or outputs
-        tops = tops or [cause for cause in free if self.is_gate(cause)]
-        if not tops and not free and any(system.order(cause, self.below)[1] for cause in causes):
-            tops = causes[:1]  # check names the cycle
+        tops = stated or outputs or [cause for cause in free if self.is_gate(cause)]
+        # of a cycle alone: check names it
+        tops = tops or ([] if free else causes[:1])
         for top in tops:
             full = name if len(tops) == 1 else f"{name}/{self.name_of(top, 'top0')}"
             content = _TreeReader(self, tree, top).tree()
@@ -199,8 +187,6 @@ class _Reader:
 
 
 class _TreeReader:
-    """Reads what one top event reaches."""
-
     def __init__(self, reader: _Reader, element: Element, top: Element) -> None:
         self.reader, self.element, self.top = reader, element, top
         self.document, self.findings = reader.document, reader.findings
@@ -261,17 +247,14 @@ class _TreeReader:
             self.findings.report("X011.gate_type", cause, subject=subject, value=stated)
         if is_port and not below:
             self.findings.count("X014.no_input", cause, subject=subject)
-        k = self._votes(cause) if kind == "VOTE" else None
-        return system.Gate(id_, kind, tuple(below), k, self.document.place(cause), is_port)
-
-    def _votes(self, cause: Element) -> int | None:
-        texts = {key: text for key in _K if (text := self.reader.laws.key_value(cause, key))}
+        keys = _K if kind == "VOTE" else ()
+        texts = {key: text for key in keys if (text := self.reader.laws.key_value(cause, key))}
         if len(set(texts.values())) > 1:
             shown = ", ".join(f"{key}={text}" for key, text in texts.items())
-            subject = self.document.describe(cause)
             self.findings.report("R005.keys", cause, cause=subject, shown=shown)
         text = next(iter(texts.values()), "")
-        return int(text) if text.isdecimal() and len(text) < 10 else None
+        k = int(text) if text.isdecimal() and len(text) < 10 else None
+        return system.Gate(id_, kind, tuple(below), k, self.document.place(cause), is_port)
 
     def _event(self, cause: Element, id_: str) -> system.BasicEvent:
         place, subject = self.document.place(cause), self.document.describe(cause)
@@ -285,23 +268,22 @@ class _TreeReader:
             self.findings.report("X009.state_of_chain", cause, cause=subject, subject=state)
             return system.BasicEvent(id_, None, place=place)
         failure = failures[0] if failures else None if states else self._failure_of_name(cause)
-        chain = self.reader.chain_with(states) if states else None
-        if failure is None:
-            return system.BasicEvent(
-                id_, system.Law("model", model=chain) if chain else None, place=place
-            )
-        self.failures.setdefault(failure, []).append(id_)
-        self.reader.common_causes.warn_alone(failure, f"event {id_!r}")
-        return system.BasicEvent(id_, self._law(failure, id_, chain), place=place)
+        name = self.reader.chain_with(states) if states else None
+        law = system.Law("model", model=name) if name else None
+        if failure is not None:
+            self.failures.setdefault(failure, []).append(id_)
+            self.reader.common_causes.warn_alone(failure, f"event {id_!r}")
+            law = self._law(failure, id_, name)
+        return system.BasicEvent(id_, law, place=place)
 
-    def _law(self, failure: Element, id_: str, chain: str | None = None) -> system.Law | None:
+    def _law(self, failure: Element, id_: str, model: str | None = None) -> system.Law | None:
         states = self.reader.states_of.get(failure, [])
-        if chain is None and states:
+        if model is None and states:
             if len({self.reader.states[state][0] for state in states}) > 1:
                 subject = self.document.describe(failure)
                 self.findings.report("X011.several_chains", failure, failure=subject)
-            chain = self.reader.chain_with(states)
-        return self.reader.laws.of_failure(failure, id_, chain)
+            model = self.reader.chain_with(states)
+        return self.reader.laws.of_failure(failure, id_, model)
 
     def _failure_of_name(self, cause: Element) -> Element | None:
         name = self.document.attribute(cause, word.NAME)
@@ -322,9 +304,7 @@ class _TreeReader:
             for cause in self.reader.common_causes.of(failure):
                 members.setdefault(cause, []).extend(ids)
                 if cause not in self.failures:  # it may be an event of the tree already
-                    name = self.reader.name_of(cause, "common cause0")
-                    while name in self.events or name in self.gates:
-                        name += "'"
+                    name = self._new(self.reader.name_of(cause, "common cause0"))
                     place = self.document.place(cause)
                     self.events[name] = system.BasicEvent(name, self._law(cause, name), place=place)
                     self.failures[cause] = [name]
@@ -335,17 +315,19 @@ class _TreeReader:
             self.findings.report("R013.common_cause", cause, cause=subject, events=", ".join(ids))
         instead: dict[str, str] = {}
         for id_, causes in shared.items():
-            name = " or ".join([id_, *causes])
-            while name in self.gates or name in instead.values():
-                name += "'"
-            instead[id_] = name
-        for key, gate in self.gates.items():
-            of = tuple(instead.get(below, below) for below in gate.of)
-            self.gates[key] = replace(gate, of=of)
-        for id_, name in instead.items():
+            instead[id_] = self._new(" or ".join([id_, *causes]))
             place = self.events[id_].place
-            self.gates[name] = system.Gate(name, "OR", (id_, *shared[id_]), place=place)
+            self.gates[instead[id_]] = system.Gate(instead[id_], "OR", (id_, *causes), place=place)
+        for key, gate in self.gates.items():
+            if key not in instead.values():
+                of = tuple(instead.get(below, below) for below in gate.of)
+                self.gates[key] = replace(gate, of=of)
         return instead
+
+    def _new(self, name: str) -> str:
+        while name in self.events or name in self.gates:
+            name += "'"
+        return name
 
     def _cut_sets(self) -> frozenset[frozenset[str]] | None:
         """Return the cut sets that the file states for the top; None: they cannot be compared."""

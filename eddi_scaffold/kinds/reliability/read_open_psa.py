@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -46,6 +47,7 @@ _OPERATIONS: dict[str, Callable[[Sequence[float]], float]] = {
     "gamma-deviate": lambda of: of[0] * of[1],
     "beta-deviate": lambda of: of[0] / (of[0] + of[1]),
 }
+_NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _DEEPEST = 100
 _Path = tuple[str, ...]  # Names of the containers around something
 
@@ -66,6 +68,10 @@ def read_open_psa(
     return systems, [*dict.fromkeys(reader.problems), *reader.doubts.values()]
 
 
+def _name(element: Element) -> str:
+    return (element.get("name") or "").strip()
+
+
 class _Names:
     """Names of one sort: public ones are known everywhere, the others by their path."""
 
@@ -77,11 +83,8 @@ class _Names:
         """Return whether this is the first of its name."""
         full = ".".join([*path, name])
         key = full if private else name
-        if key in self.defined:
-            return False
-        self.defined[key] = _Definition(element, path)
         self._keys.setdefault(full, key)
-        return True
+        return self.defined.setdefault(key, _Definition(element, path)).element is element
 
     def find(self, name: str, path: _Path) -> str | None:
         """Return the key of what a name means within a container."""
@@ -93,7 +96,6 @@ class _Names:
 
 
 def _parts(element: Element) -> list[Element]:
-    """Return what an element consists of, without its labels."""
     return [
         part for part in select(element, "*") if feature_of(part) not in ("label", "attributes")
     ]
@@ -123,8 +125,7 @@ class _Reader:
 
     def declare(self, container: Element, path: _Path, *, private: bool) -> None:
         for element in select(container, "*"):
-            kind, name = feature_of(element), (element.get("name") or "").strip()
-            role = element.get("role")
+            kind, name, role = feature_of(element), _name(element), element.get("role")
             is_private = role == "private" or (private and not role)
             fault = None
             if kind == "model-data":
@@ -173,13 +174,10 @@ class _Reader:
         kind, place = feature_of(element), self._place(element)
         if depth > _DEEPEST:
             raise self._fault("R017.depth", element)
-        if kind in _REFERENCES:
-            self.gates[key] = system.Gate(key, "OR", (self._reference(element, path),), place=place)
-            return
-        if kind not in {*_CONNECTIVES, *_NEGATED, "imply"}:
+        if kind not in {*_REFERENCES, *_CONNECTIVES, *_NEGATED, "imply"}:
             raise self._fault("R017.formula", element, type=kind)
         below = []
-        for number, part in enumerate(_parts(element), 1):
+        for number, part in enumerate([element] if kind in _REFERENCES else _parts(element), 1):
             if feature_of(part) in _REFERENCES:
                 below.append(self._reference(part, path))
             else:
@@ -203,38 +201,37 @@ class _Reader:
             law, place = system.Law("fixed", (float(is_true),)), self._place(element)
             self.events.setdefault(constant, system.BasicEvent(constant, law, place=place))
             return constant
-        name = (element.get("name") or "").strip()
-        key = self.names.find(name, path)
+        key = self.names.find(_name(element), path)
         if key is None:
-            hint = self.similar.hint(name) or _ONE_FILE
-            raise self._fault("R001.unknown_gate", element, hint=hint, name=name)
+            hint = self.similar.hint(_name(element)) or _ONE_FILE
+            raise self._fault("R001.unknown_gate", element, hint=hint, name=_name(element))
         return key
 
     def systems(self) -> Iterator[system.ReliabilitySystem]:
         used = {below for gate in self.gates.values() for below in gate.of}
+        gates = [key for key in self.names.defined if key in self.gates]
         tops: dict[str, list[str]] = {}
-        for key, (_, path) in self.names.defined.items():
-            if key in self.gates:
-                keys = tops.setdefault(path[0] if path else self.stem, [])
-                keys += [key] if key not in used else []
-        if tops and not any(tops.values()):  # check reports the cycle
-            tops[next(iter(tops))].append(next(k for k in self.names.defined if k in self.gates))
+        for key in [key for key in gates if key not in used] or gates[:1]:  # of a cycle: check says
+            path = self.names.defined[key].path
+            tops.setdefault(path[0] if path else self.stem, []).append(key)
         below = {key: gate.of for key, gate in self.gates.items()}
         for tree, keys in tops.items():
             for top in keys:
                 name = tree if len(keys) == 1 else f"{tree}/{top}"
                 reached, cycle = system.order(top, below)
                 ids = [*self.gates, *self.events] if cycle else reached[::-1]
-                gates = {id_: self.gates[id_] for id_ in ids if id_ in self.gates}
-                events = {id_: self.events[id_] for id_ in ids if id_ in self.events}
-                content, place = system.FaultTree(top, events, gates), self.gates[top].place
+                content = system.FaultTree(
+                    top,
+                    {id_: self.events[id_] for id_ in ids if id_ in self.events},
+                    {id_: self.gates[id_] for id_ in ids if id_ in self.gates},
+                )
+                place = self.gates[top].place
                 component = system.ComponentModel(name, "fault_tree", content, place=place)
                 yield system.ReliabilitySystem({name: component}, name, place=place)
 
     # numbers
 
     def _law(self, element: Element, path: _Path, name: str) -> system.Law | None:
-        """Return the law of a basic event or a house event; None where nothing is given."""
         parts = _parts(element)
         if len(parts) > 1:
             raise self._fault("R017.event", parts[1], name=name, number=len(parts))
@@ -269,14 +266,12 @@ class _Reader:
         return system.Law("fixed", (probability,))
 
     def _parameter(self, element: Element, path: _Path) -> _Definition:
-        name = (element.get("name") or "").strip()
-        key = self.parameters.find(name, path)
+        key = self.parameters.find(_name(element), path)
         if key is None:
-            raise self._fault("R001.parameter", element, name=name)
+            raise self._fault("R001.parameter", element, name=_name(element))
         return self.parameters.defined[key]
 
     def _warn_of_unit(self, element: Element, path: _Path, assumed: str) -> None:
-        """Say once for the file that a unit is assumed (R004)."""
         is_parameter = feature_of(element) == "parameter"
         if not is_parameter or self._parameter(element, path).element.get("unit") not in _UNITS:
             doubt = problem("R004.no_unit_in_file", self._place(element), assumed=assumed)
@@ -303,10 +298,7 @@ class _Reader:
             value = self.values[defined]
         elif kind in ("float", "int"):
             text = (element.get("value") or "").strip()
-            try:
-                value = float(text) if text.isascii() and "_" not in text else math.nan
-            except ValueError:
-                value = math.nan
+            value = float(text) if _NUMBER.fullmatch(text) else math.inf
             if not math.isfinite(value):
                 raise self._fault("R002.number", element, value=text)
         elif kind in _OPERATIONS:

@@ -9,22 +9,183 @@ from typing import Any
 
 from eddi_runtime.reliability.component import ReliabilityResult
 
-from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import Problem, did_you_mean
+from eddi_scaffold.common.units import duration, rate
+from eddi_scaffold.kinds.reliability import KEYS
 from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, FATAL
-from eddi_scaffold.kinds.reliability.read_components import read_chain, read_tree
 from eddi_scaffold.kinds.reliability.system import (
+    GATES,
     TYPES,
+    Arc,
+    BasicEvent,
     Chain,
     ComponentModel,
     FaultTree,
+    Gate,
+    Law,
+    Observation,
     ReliabilitySystem,
     Threshold,
 )
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 
-KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
+_NO_INPUTS = ("not", "and", "or", "xor", "implies", "true", "false", "unknown")
+"""What an input of ``observe`` cannot be called: it was meant otherwise."""
+
+
+def read_chain(name: str, entry: Values, before: Chain | None) -> Chain:
+    """Read a chain; of that of an EDDI, ``before``, only what follows its arcs may change."""
+    errors = entry.errors
+    keys = ("type", "model", "states", "initial", "fail", "arcs", "observe", "repair", "age")
+    entry.only(*keys)
+    chain = before or _chain(entry, errors)
+    # the names of states are only known where what makes them could be read
+    if entry.has("observe") and (entry.errors == errors or entry.has("states") or before):
+        chain = replace(chain, observe=_observe(name, entry, chain))
+    repair, age = entry.boolean("repair", chain.repair), entry.quantity("age", duration, chain.age)
+    return replace(chain, repair=repair, age=age)
+
+
+def _chain(entry: Values, errors: int) -> Chain:
+    """Read a chain of an entry that had so many errors before anything of it was looked at."""
+    arcs: list[Arc] = []
+    for map_ in entry.maps("arcs"):
+        map_.only("from", "to", "rate")
+        source, target = map_.text("from", required=True), map_.text("to", required=True)
+        value = map_.quantity("rate", rate, None, required=True)
+        if source is None or target is None or value is None:
+            continue
+        if source == target:
+            map_.report("X020.arc_itself", source=source)
+        else:
+            arcs.append(Arc(source, target, value, map_.place()))
+    named = [name for arc in arcs for name in (arc.source, arc.target)]
+    states = entry.texts("states") or tuple(dict.fromkeys(named))
+    for i, arc in enumerate(arcs):
+        for key, state in (("from", arc.source), ("to", arc.target)):
+            if state not in states:
+                entry.report("R001.state", "arcs", i, key, key=key, state=state)
+    chain = Chain(states, entry.texts("initial"), entry.texts("fail"), tuple(arcs))
+    if entry.errors == errors or entry.has("states"):
+        for key, names in (("initial", chain.initial), ("fail", chain.fail)):
+            for state in names:
+                if state not in states:
+                    entry.unknown("state", state, states, key)
+        if len(chain.initial) == 1 and chain.initial[0] in chain.fail:
+            entry.report("R007.starts_failed", "initial", state=chain.initial[0])
+    return chain
+
+
+def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
+    observe, errors = entry.map("observe"), entry.errors
+    if observe is None:
+        return ()
+    observations: list[Observation] = []
+    for state in map(str, observe.data):
+        text = observe.text(state)
+        if state not in chain.states:
+            observe.unknown(f"state of {name!r}", state, chain.states, state, KEY)
+        elif text is not None:
+            *words, input_ = text.split() or [""]
+            is_negated = [word.casefold() for word in words] == ["not"]
+            if (words and not is_negated) or input_.casefold() in ("", *_NO_INPUTS):
+                observe.report("R002.input", state, value=text)
+            else:
+                observations.append(Observation(state, input_, is_negated))
+    seen = {observation.state for observation in observations}
+    unseen = [state for state in chain.fail if state not in seen]
+    if observations and unseen and entry.errors == errors:
+        first = min(observations, key=lambda observation: observation.state not in chain.initial)
+        input_ = first.input if first.negated else f"not {first.input}"
+        fields = {"shown": ", ".join(unseen), "unseen": unseen[0], "input": input_}
+        entry.report("R013.observe", "observe", KEY, name=name, **fields)
+    return tuple(observations)
+
+
+def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree | None:
+    """Read a tree; of that of an EDDI, ``before``, its events and what follows may change."""
+    errors = entry.errors
+    keys = ("type", "model", "top", "gates", "events", "repair", "node_limit", "approximation")
+    entry.only(*keys, "age")
+    has_own_keys = entry.errors == errors
+    gates = before.gates if before else _gates(entry)
+    events = dict(before.events) if before else {}
+    for id_, map_ in entry.entries("events"):
+        if before and id_ not in before.events:
+            map_.unknown(f"event of {name!r}", id_, before.events, KEY)
+        else:
+            events[id_] = _event(id_, map_, events.get(id_))
+    if not has_own_keys:
+        return before  # gates or events may be missing only because their key is misspelt
+    top = before.top if before else entry.text("top")
+    if top is None:
+        used = {below for gate in gates.values() for below in gate.of}
+        tops = [gate for gate in gates if gate not in used]
+        if len(tops) != 1:
+            shown = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
+            entry.report("R012.top", name=name, tops=shown)
+            return None
+        (top,) = tops
+    if not before:
+        if top not in gates and top not in events:
+            entry.unknown("gate", top, [*gates, *events], "top")
+        for gate in gates.values():
+            for i, below in enumerate(gate.of):
+                if below not in gates and below not in events:
+                    entry.report("R001.unknown_part", "gates", gate.name, "of", i, part=below)
+        for both in sorted(set(gates) & set(events)):
+            entry.report("R001.gate_and_event", "events", both, KEY, name=both)
+    tree = before or FaultTree(top, events, gates)
+    approximation = entry.choice("approximation", ("cut_sets",))
+    return replace(
+        tree,
+        events=events,
+        repair=entry.boolean("repair", tree.repair),
+        node_limit=entry.whole_number("node_limit", 1, 10_000_000, tree.node_limit),
+        approximate=tree.approximate or approximation is not None,
+        bounds_place=tree.bounds_place if approximation is None else entry.place("approximation"),
+        age=entry.quantity("age", duration, tree.age),
+    )
+
+
+def _gates(entry: Values) -> dict[str, Gate]:
+    gates: dict[str, Gate] = {}
+    for name, map_ in entry.entries("gates"):
+        map_.only("type", "of", "k")
+        kind = (map_.text("type") or "OR").upper()
+        if kind not in GATES:
+            map_.unknown("type of gate", kind, GATES, "type")
+        k = map_.whole_number("k", -(10**9), 10**9, None)
+        gates[name] = Gate(name, kind, map_.texts("of"), k, map_.place())
+    return gates
+
+
+def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
+    entry.only("rate", "scale", "shape", "p", "model", "observed", "age")
+    event = before or BasicEvent(name, None, place=entry.place())
+    value = entry.quantity("rate", rate, None)
+    scale = entry.quantity("scale", duration, None, positive=True)
+    shape = entry.number("shape", 1e-6, 1e6, 1.0)
+    p = entry.number("p", 0.0, 1.0, None)
+    laws = [key for key in ("rate", "scale", "p", "model") if entry.has(key)]
+    if len(laws) > 1:
+        entry.report("R002.several", laws[1], name=name, listed=" and ".join(laws))
+    law = event.law
+    if value is not None:
+        law = Law("exponential", (value,))
+    elif scale is not None:
+        law = Law("weibull", (scale, shape))
+    elif p is not None:
+        law = Law("fixed", (p,))
+    elif model := entry.text("model"):
+        law = Law("model", model=model)
+    if entry.has("age") and law is not None and law.kind in ("fixed", "model"):
+        entry.report("R002.age", "age", name=name)
+    age = entry.quantity("age", duration, event.age)
+    return replace(event, law=law, observed=entry.boolean("observed", event.observed), age=age)
+
+
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _RESULTS = (
     *("t", "header", "model", "mttf_hours", "horizon_seconds", "unknown_inputs", "accepted"),
@@ -37,16 +198,13 @@ _HEAT = ("t_ref", "t_max", "activation_energy")
 def read_system(
     values: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem | None
 ) -> tuple[ReliabilitySystem | None, list[Problem]]:
-    """Read the keys of a monitor, which change ``base``; ``model: NAME`` names one of the library.
-
-    The system is None after an error (R001, R002, R004, R005).
-    """
+    """Read the keys of a monitor, which change ``base``; ``model:`` names one of the library."""
     before = base or ReliabilitySystem({}, "", place=values.place())
     components = dict(before.components)
     for name, entry in values.entries("models"):
         components.update(_component(name, entry, library, before))
     values.only(*KEYS, "file", "parameters")
-    longest = values.quantity("mission_time", units.duration, positive=True)
+    longest = values.quantity("mission_time", duration, None, positive=True)
     horizon, mission_end = before.horizon, before.mission_end
     if values.text("horizon") == "mission_end":
         if longest is None:
@@ -55,10 +213,10 @@ def read_system(
     else:
         if longest is not None:
             values.report("R001.useless_mission_time", "mission_time", KEY)
-        own = values.quantity("horizon", units.duration, positive=True)
-        horizon, mission_end = (horizon, mission_end) if own is None else (own, False)
+        horizon = values.quantity("horizon", duration, horizon, positive=True)
+        mission_end = mission_end and not values.has("horizon")
     on_unknown = values.choice("on_unknown", ("inactive", "worst_case"))
-    gap = values.quantity("max_gap", units.duration, needs_unit=True, positive=True)
+    gap = values.quantity("max_gap", duration, None, needs_unit=True, positive=True)
     thresholds = _thresholds(values) if values.has("thresholds") else before.thresholds
     if values.errors:  # components that cannot be read would be missed by what uses them
         return None, values.problems
@@ -93,14 +251,14 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
     for entry in values.maps("thresholds"):
         entry.only("id", "activate", "release", "hold", "topic")
         name = entry.text("id", required=True)
-        activate = entry.number("activate", 0.0, 1.0, required=True)
-        release = entry.number("release", 0.0, 1.0, default=activate)
-        hold = entry.quantity("hold", units.duration, needs_unit=True)
+        activate = entry.number("activate", 0.0, 1.0, None, required=True)
+        release = entry.number("release", 0.0, 1.0, activate)
+        hold = entry.quantity("hold", duration, 0.0, needs_unit=True)
         topic = entry.text("topic")
         if topic is not None and not is_ros_name(topic):
             expected = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
             entry.report("R002.topic", "topic", expected=expected)
-        if name is None or activate is None:
+        if name is None or activate is None or release is None:
             continue
         if _ID.fullmatch(name) is None:
             entry.report("R001.id", "id", name=name)
@@ -111,18 +269,15 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
         other = owners.setdefault(topic, name) if topic else name
         if other != name:
             entry.report("R001.same_topic", "topic", first=other, second=name, topic=topic)
-        release = activate if release is None else release
         if release < activate:
             entry.report("R001.release", "release", name=name, release=release, activate=activate)
-        seconds = 3600.0 * (hold or 0.0)
-        thresholds[name] = Threshold(name, activate, release, seconds, topic, entry.place())
+        thresholds[name] = Threshold(name, activate, release, 3600.0 * hold, topic, entry.place())
     return tuple(thresholds.values())
 
 
 def _component(
     name: str, entry: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem
 ) -> Mapping[str, ComponentModel]:
-    """Return a model with those of the library that it uses; none after an error."""
     before = base.components.get(name)
     kind = entry.text("type") or (before.type if before else None)
     if kind is None:
@@ -157,7 +312,6 @@ def _content(
     library: Mapping[str, ReliabilitySystem],
     before: ComponentModel | None,
 ) -> Mapping[str, ComponentModel]:
-    """Return a chain or tree, which may change one of the model or of the library."""
     parts: Mapping[str, ComponentModel] = {}
     referred = entry.text("model")
     if referred is not None:
@@ -180,55 +334,53 @@ def _content(
 
 
 def _ready_made(kind: str, entry: Values, name: str) -> Mapping[str, Any]:
-    """Return the numbers of a model that is made of a few."""
     match kind:
         case "propulsion":
             return _propulsion(entry, name)
         case "battery":
             keys = ("failure_rate", "alpha", "beta", "degradation")
             entry.only("type", *keys, *_HEAT, "repair")
-            values: dict[str, Any] = {}
-            for key in keys:
-                values[key] = entry.quantity(key, units.rate, required=True)
+            values: dict[str, Any] = {
+                key: entry.quantity(key, rate, None, required=True) for key in keys
+            }
             if any(entry.has(key) for key in _HEAT):
-                values["t_ref"] = entry.temperature("t_ref")
-                values["t_max"] = entry.temperature("t_max")
-                energy = entry.number("activation_energy", 0.0, 10.0, required=True)
+                values |= {key: entry.temperature(key) for key in ("t_ref", "t_max")}
+                energy = entry.number("activation_energy", 0.0, 10.0, None, required=True)
                 values["activation_energy"] = energy
             return {**values, "repair": entry.boolean("repair")}
         case "processor":
             entry.only("type", "mttf_ref", *_HEAT, "u_max", "shape", "age")
-            age = entry.quantity("age", units.duration)
-            mttf = entry.quantity("mttf_ref", units.duration, required=True, positive=True)
+            age = entry.quantity("age", duration, None)
             return {
-                "mttf_ref": mttf,
+                "mttf_ref": entry.quantity(
+                    "mttf_ref", duration, None, required=True, positive=True
+                ),
                 "t_ref": entry.temperature("t_ref"),
                 "t_max": entry.temperature("t_max"),
-                "u_max": entry.number("u_max", 0.0, 1e6, required=True),
-                "activation_energy": entry.number("activation_energy", 0.0, 10.0, default=0.3),
-                "shape": entry.number("shape", 0.01, 100.0, default=1.0),
+                "u_max": entry.number("u_max", 0.0, 1e6, None, required=True),
+                "activation_energy": entry.number("activation_energy", 0.0, 10.0, 0.3),
+                "shape": entry.number("shape", 0.01, 100.0, 1.0),
                 **({"age": age} if age is not None else {}),
             }
     entry.only("type", "k", "rate", "max")
-    k = entry.whole("k", 1, 10_000, required=True)
-    rate = entry.quantity("rate", units.rate, required=True)
-    return {"k": k, "rate": rate, "max": entry.whole("max", k or 1, 10_000)}
+    k = entry.whole_number("k", 1, 10_000, None, required=True)
+    value = entry.quantity("rate", rate, None, required=True)
+    return {"k": k, "rate": value, "max": entry.whole_number("max", k or 1, 10_000, None)}
 
 
 def _propulsion(entry: Values, name: str) -> Mapping[str, Any]:
     entry.only("type", "configuration", "rate", "rates", "positions", "status", "repair")
     configuration = entry.text("configuration", required=True)
     motors = len(configuration or "")
-    rates, common_rate = entry.quantities("rates", units.rate), entry.quantity("rate", units.rate)
+    rates, common_rate = entry.quantities("rates", rate), entry.quantity("rate", rate, None)
     positions = entry.data["positions"] if entry.has("positions") else list(range(motors))
     places = sorted(map(repr, positions)) if isinstance(positions, list) else None
     fields: dict[str, Any] = {"configuration": configuration, "motors": motors}
     if configuration is None:
         pass  # it was reported
     elif configuration not in FATAL:
-        entry.report(
-            "R001.configuration", "configuration", **fields, known=", ".join(CONFIGURATIONS)
-        )
+        fields["known"] = ", ".join(CONFIGURATIONS)
+        entry.report("R001.configuration", "configuration", **fields)
     elif entry.has("rate") == entry.has("rates"):
         entry.report("R001.rate", name=name)
     elif rates is not None and len(rates) != motors:

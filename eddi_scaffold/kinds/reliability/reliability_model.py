@@ -13,15 +13,14 @@ from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
-from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_document, recognises
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.eddi_xml.reading import read_document, recognises
-from eddi_scaffold.kinds.reliability import MEANINGS, show
+from eddi_scaffold.kinds.reliability import KEYS, MEANINGS, show
 from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.read_eddi import read_eddi
 from eddi_scaffold.kinds.reliability.read_open_psa import read_open_psa
-from eddi_scaffold.kinds.reliability.read_yaml import KEYS, read_system
+from eddi_scaffold.kinds.reliability.read_yaml import read_system
 from eddi_scaffold.kinds.reliability.system import (
     NAME,
     Chain,
@@ -31,8 +30,7 @@ from eddi_scaffold.kinds.reliability.system import (
 )
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
-from eddi_scaffold.kinds.reliability.write import to_yaml
-from eddi_scaffold.kinds.reliability.write_open_psa import to_open_psa
+from eddi_scaffold.kinds.reliability.write import to_open_psa, to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
@@ -198,7 +196,6 @@ def _decided(values: Mapping[str, kinds.JsonValue]) -> dict[str, kinds.JsonValue
 
 
 def _place(root: Node, *path: str | int) -> Place:
-    """Return the place at a path, or that of what encloses it."""
     node = root
     for i, step in enumerate(path):
         below: Node | None = None
@@ -215,7 +212,6 @@ def _place(root: Node, *path: str | int) -> Place:
 
 
 def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
-    """Read the EDDI that the key ``file`` names, relative to the configuration."""
     name = values.text("file")
     if name is None:
         return {}
@@ -233,12 +229,10 @@ def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
 
 
 def _undecided(system: ReliabilitySystem) -> Iterator[Problem]:
-    """Warn of each threshold that decides nothing at the start (R014).
-
-    Where the mission's end is an input, the best is that it comes at once.
-    """
+    """Warn of each threshold that decides nothing at the start (R014)."""
     if not system.thresholds:
         return
+    # the best is that the mission ends at once
     best = at_start(system, seconds_left=0.0 if system.mission_end else None).p_fail
     worst = at_start(system, known=False).p_fail_high
     when = "at mission start" + (", however near the end is" if system.mission_end else "")

@@ -83,7 +83,6 @@ def _content(component: ComponentModel) -> Iterator[str]:
 
 
 def _quantity(key: str, value: Any) -> str:
-    """Return a value of a ready-made model with its unit; equal rates once."""
     if isinstance(value, tuple | list):
         each = [_quantity(key, item) for item in value]
         is_same = len(set(each)) == 1 and key == "rates"
@@ -216,7 +215,6 @@ def picture(name: str, system: ReliabilitySystem) -> Diagram:
 
 
 def _top(system: ReliabilitySystem, name: str) -> str:
-    """Return the node that represents the failure of a model."""
     content = system.components[name].content
     if isinstance(content, Chain):
         return f"{name}:{content.fail[0]}" if content.fail else name

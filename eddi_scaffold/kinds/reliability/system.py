@@ -200,10 +200,7 @@ class ReliabilitySystem:
 
 
 def order(top: T, below: Mapping[T, Sequence[T]]) -> tuple[list[T], tuple[T, ...]]:
-    """Return all that the top reaches, each behind what it uses, and the members of a cycle.
-
-    Each member uses the next one and the last the first; then the order is incomplete.
-    """
+    """Return all that the top reaches, each behind what it uses, or else a cycle, in its order."""
     done: dict[T, None] = {}
     path: dict[T, None] = {}
     waiting: list[tuple[T, bool]] = [(top, False)]

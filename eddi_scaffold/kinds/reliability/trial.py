@@ -30,10 +30,7 @@ class _TooRoughError(Exception):
 def at_start(
     system: ReliabilitySystem, *, known: bool = True, seconds_left: float | None = None
 ) -> ReliabilityResult:
-    """Return the first result with everything in order, or with nothing known.
-
-    Where the mission's end is an input, it is ``seconds_left`` away; None: as long as it can be.
-    """
+    """Return the first result with everything in order, or nothing known."""
     monitor: Reliability = _module(system).Monitor()
     inputs = inputs_of(system.without_unused()) if known else ()
     values: dict[str, Any] = {input_.id: input_.sample for input_ in inputs}
@@ -43,10 +40,9 @@ def at_start(
 
 
 def mean_life(system: ReliabilitySystem) -> float | None:
-    """Return the mean time to failure of the top in hours from the start of the mission.
+    """Return the mean time to failure of the top in hours with everything in order, to 1e-9.
 
-    The integral of the reliability with everything in order, relative 1e-9; None for models that
-    are too large or too rough to be evaluated that often, or whose life has no end.
+    None: it is too large or too rough to be evaluated that often, or its life has no end.
     """
     first = at_start(system)
     if not math.isnan(first.mttf):
@@ -74,10 +70,7 @@ def mean_life(system: ReliabilitySystem) -> float | None:
 
 
 def _integral(reliability: Callable[[float], float]) -> float:
-    """Return the integral of a survival function over [0, inf).
-
-    By the trapezoidal rule in the logarithm of time, which converges exponentially.
-    """
+    # the trapezoidal rule in the logarithm of time converges exponentially
     scale = 1.0
     while reliability(scale) > 0.5:
         scale *= 4.0
@@ -107,10 +100,7 @@ def _integral(reliability: Callable[[float], float]) -> float:
 
 
 def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
-    """Return the monitor of a module with another horizon, at the start of the mission.
-
-    The horizon of the module is no input, and none of its numbers is of one horizon.
-    """
+    """Return the monitor of a module with no number of one horizon, with another horizon."""
     for made in vars(compiled).values():
         if isinstance(made, type) and "horizon" in vars(made):
             type.__setattr__(made, "horizon", hours)
@@ -119,7 +109,6 @@ def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
 
 
 def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> ModuleType:
-    """Return the module of a system whose inputs have no names but their ids."""
     inputs = inputs_of(system.without_unused())
     declaration = Declaration("m", "", tuple(BoundInput(i.id, i.id) for i in inputs))
     compiled = compile_system(system, declaration, states=states)

@@ -9,7 +9,9 @@ from eddi_scaffold.common import units
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 
 KEY = -1  # Last part of a path that refers to the place of a key, not of its value
+_NO_TEXT = (bool, list, dict, type(None))
 _Read = Callable[[object], units.Quantity]
+D = TypeVar("D")
 V = TypeVar("V")
 
 
@@ -20,6 +22,8 @@ def case_of(fault: units.QuantityError) -> str:
 
 class Values:
     """One map; all maps of a file share their list of problems.
+
+    What is absent, or wrong, is the default, which has to be there for quantities and numbers.
 
     Args:
         data: the plain values.
@@ -69,58 +73,60 @@ class Values:
             if key not in known:
                 self.report("R001.unknown_key", key, KEY, hint=similar.hint(key), key=key)
 
-    def _get(self, key: str, *, required: bool) -> Any:
+    def _get(
+        self,
+        key: str,
+        expected: str,
+        fits: Callable[[Any], bool] = lambda _: True,
+        *,
+        required: bool = False,
+    ) -> Any:
         value = self.data.get(key)
         if value is None and required:
             self.report("R001.missing_key", key=key)
+        elif value is not None and not fits(value):
+            self.report("R002.type", key, key=key, expected=expected)
+            return None
         return value
+
+    def _below(self, data: Mapping[str, Any], *keys: str | int) -> Values:
+        return Values(data, self._find, (*self._path, *keys), self.problems)
 
     def map(self, key: str) -> Values | None:
         """Return the map below a key, None where there is none."""
-        value = self.data.get(key)
-        if isinstance(value, Mapping):
-            return Values(value, self._find, (*self._path, key), self.problems)
-        if value is not None:
-            self.report("R002.map", key, key=key)
-        return None
+        value = self._get(key, "a map", lambda value: isinstance(value, Mapping))
+        return None if value is None else self._below(value, key)
 
     def entries(self, key: str) -> Iterator[tuple[str, Values]]:
         """Yield the maps in the map below a key, by name."""
         parent = self.map(key)
-        if parent is not None:
-            for name in map(str, parent.data):
-                entry = parent.map(name)
-                if entry is not None:
-                    yield name, entry
+        for name in map(str, parent.data if parent else ()):
+            if parent and (entry := parent.map(name)):
+                yield name, entry
 
     def maps(self, key: str) -> list[Values]:
         """Return the maps of the list below a key."""
-        items = [] if self.data.get(key) is None else self.data[key]
-        if not isinstance(items, list) or not all(isinstance(item, Mapping) for item in items):
-            self.report("R002.maps", key, key=key)
-            return []
-        path = (*self._path, key)
-        return [Values(m, self._find, (*path, i), self.problems) for i, m in enumerate(items)]
+
+        def fits(value: object) -> bool:
+            return isinstance(value, list) and all(isinstance(item, Mapping) for item in value)
+
+        maps = self._get(key, "a list of maps", fits) or ()
+        return [self._below(map_, key, i) for i, map_ in enumerate(maps)]
 
     def text(self, key: str, *, required: bool = False) -> str | None:
         """Return a text; numbers are taken as they would be written."""
-        value = self._get(key, required=required)
-        if isinstance(value, bool | list | dict):
-            self.report("R002.text", key, key=key)
-            return None
+        value = self._get(key, "a text", lambda v: not isinstance(v, _NO_TEXT), required=required)
         return None if value is None else str(value)
 
     def texts(self, key: str, *, required: bool = False) -> tuple[str, ...]:
         """Return a list of texts; one text alone is a list of one."""
-        value = self._get(key, required=required)
-        items = [value] if isinstance(value, str | int) else value
-        if items is None:
-            return ()
-        if not isinstance(items, list) or any(
-            item is None or isinstance(item, list | dict | bool) for item in items
-        ):
-            self.report("R002.names", key, key=key)
-            return ()
+
+        def fits(value: object) -> bool:
+            items = value if isinstance(value, list) else [value]
+            return not any(isinstance(item, _NO_TEXT) for item in items)
+
+        value = self._get(key, "a list of names", fits, required=required)
+        items = value if isinstance(value, list) else [] if value is None else [value]
         return tuple(map(str, items))
 
     def choice(self, key: str, known: Sequence[str]) -> str | None:
@@ -131,40 +137,36 @@ class Values:
             return None
         return text
 
-    def boolean(self, key: str) -> bool:
-        """Return true or false, false where the key is absent."""
-        value = self.data.get(key, False)
-        if not isinstance(value, bool):
-            self.report("R002.boolean", key, key=key)
-        return value is True
+    def boolean(self, key: str, default: bool = False) -> bool:
+        """Return true or false."""
+        value = self._get(key, "true or false", lambda value: isinstance(value, bool))
+        return default if value is None else value is True
 
     def quantity(
         self,
         key: str,
         read: _Read,
+        default: D,
         *,
         required: bool = False,
         needs_unit: bool = False,
         positive: bool = False,
-    ) -> float | None:
+    ) -> float | D:
         """Return a rate or a duration in 1/h or h.
 
         A missing unit is a warning, or, of durations of the clock, an error (R004).
         """
-        value = self._get(key, required=required)
+        value = self._get(key, "", required=required)
         number = None if value is None else self._quantity(value, read, needs_unit, key)
         if positive and number is not None and number <= 0.0:
             self.report("R002.positive", key, key=key)
-            return None
-        return number
+            return default
+        return default if number is None else number
 
     def quantities(self, key: str, read: _Read) -> list[float] | None:
         """Return a list of them."""
-        items = self.data.get(key)
+        items = self._get(key, "a list", lambda value: isinstance(value, list))
         if items is None:
-            return None
-        if not isinstance(items, list):
-            self.report("R002.list", key, key=key)
             return None
         numbers = [self._quantity(item, read, False, key, i) for i, item in enumerate(items)]
         return [number for number in numbers if number is not None]
@@ -179,10 +181,8 @@ class Values:
             self.report("R004.unit_of_time", *keys, key=keys[0], value=value)
             return None
         unit, also = ("h", "") if read is units.duration else ("1/h", f" or `{value} FIT`")
-        fields = {"unit": unit, "also": also}
-        self.report(
-            "R004.no_unit", *keys, key=keys[0], value=quantity.value, number=value, **fields
-        )
+        fields: dict[str, Any] = {"unit": unit, "also": also, "key": keys[0]}
+        self.report("R004.no_unit", *keys, value=quantity.value, number=value, **fields)
         return quantity.value
 
     def _converted(self, value: object, read: Callable[[object], V], *keys: str | int) -> V | None:
@@ -194,28 +194,24 @@ class Values:
 
     def temperature(self, key: str) -> float | None:
         """Return a temperature in degC, which has to be there."""
-        value = self._get(key, required=True)
+        value = self._get(key, "", required=True)
         return None if value is None else self._converted(value, units.temperature, key)
 
     def number(
-        self,
-        key: str,
-        low: float,
-        high: float,
-        *,
-        required: bool = False,
-        default: float | None = None,
-    ) -> float | None:
+        self, key: str, low: float, high: float, default: D, *, required: bool = False
+    ) -> float | D:
         """Return a number between two limits."""
-        value = self._get(key, required=required)
+        value = self._get(key, "", required=required)
         if value is None:
             return default
-        return self._converted(value, lambda content: units.number(content, low, high), key)
+        number = self._converted(value, lambda content: units.number(content, low, high), key)
+        return default if number is None else number
 
-    def whole(self, key: str, low: int, high: int, *, required: bool = False) -> int | None:
+    def whole_number(
+        self, key: str, low: int, high: int, default: D, *, required: bool = False
+    ) -> int | D:
         """Return a whole number between two limits."""
-        number = self.number(key, low, high, required=required)
+        number = self.number(key, low, high, None, required=required)
         if number is not None and number != int(number):
-            self.report("R002.whole_number", key, key=key)
-            return None
-        return None if number is None else int(number)
+            self.report("R002.type", key, key=key, expected="a whole number")
+        return default if number is None else int(number)

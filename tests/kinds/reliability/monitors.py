@@ -8,7 +8,7 @@ from eddi_runtime.reliability import Reliability
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem, in_order
-from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.kinds import Model, Options
 from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel

@@ -13,7 +13,7 @@ from eddi_scaffold.kinds.reliability.system import (
     ReliabilitySystem,
 )
 from eddi_scaffold.kinds.reliability.trial import at_start
-from eddi_scaffold.kinds.reliability.write_open_psa import to_open_psa
+from eddi_scaffold.kinds.reliability.write import to_open_psa
 from tests.kinds.reliability.monitors import sound
 from tests.kinds.reliability.test_mef import read
 
