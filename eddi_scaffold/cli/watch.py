@@ -105,8 +105,7 @@ def _serve(
 ) -> None:
     """Show the page, as long as nobody interrupts it."""
     from eddi_scaffold.watch.following import follow
-    from eddi_scaffold.watch.page import view_of
-    from eddi_scaffold.watch.page_server import Feed, open_server
+    from eddi_scaffold.watch.page import Feed, open_server, view_of
 
     feed = Feed(view_of(state.snapshot(0.0), clock))
     with open_server(port, feed, pictures_of(models)) as server:

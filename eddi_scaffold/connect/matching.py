@@ -9,9 +9,17 @@ from functools import cache
 from typing import Literal
 
 from eddi_scaffold.common import units
-from eddi_scaffold.connect.needs import WORDS, InputNeed, words
 from eddi_scaffold.connect.scoring import ALARM, Candidate, Scorer
-from eddi_scaffold.connect.topics import FieldsOf, FieldUse, RobotTopic, TopicField, leaves
+from eddi_scaffold.connect.topics import (
+    WORDS,
+    FieldsOf,
+    FieldUse,
+    InputNeed,
+    RobotTopic,
+    TopicField,
+    leaves,
+    words,
+)
 
 _GUARANTEES, _POSTERIORS = "eddi_messages/ConSertOutput", "eddi_messages/BayesianNetworkOutput"
 _SETTING = re.compile(

@@ -14,8 +14,7 @@ from eddi_scaffold.config.values import undecided
 from eddi_scaffold.connect.draft import Age, entry, recorded_age
 from eddi_scaffold.connect.keeping import Draft, text_of, with_draft
 from eddi_scaffold.connect.matching import decide
-from eddi_scaffold.connect.needs import InputNeed
-from eddi_scaffold.connect.topics import RobotTopic, TopicField, leaves
+from eddi_scaffold.connect.topics import InputNeed, RobotTopic, TopicField, leaves
 from eddi_scaffold.yaml_text.nodes import Items, Map, read_map
 from tests.cli.command import ROOT, Result, files_below, run
 from tests.hostile_texts import HOSTILE

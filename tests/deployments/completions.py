@@ -5,8 +5,7 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
-from eddi_scaffold.recordings.messages import Message, blank
-from eddi_scaffold.recordings.node import Received
+from eddi_scaffold.recordings.node import Message, Received, blank
 from tests.deployments.drafts import Draft, Instance
 from tests.deployments.messages import path_of, read, written
 from tests.deployments.pool.readings import SOURCE_TYPES, Leaf

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from eddi_scaffold.recordings.messages import Message
+from eddi_scaffold.recordings.node import Message
 
 
 class Sample(NamedTuple):

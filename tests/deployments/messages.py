@@ -6,7 +6,7 @@ from typing import Any
 from eddi_scaffold.config.field_paths import Attribute, ByKey, FieldPath, Index, Step, parse_field
 from eddi_scaffold.config.field_types import element
 from eddi_scaffold.monitors.message_types import known_messages
-from eddi_scaffold.recordings.messages import Message, blank
+from eddi_scaffold.recordings.node import Message, blank
 
 
 @cache

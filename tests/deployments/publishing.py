@@ -6,8 +6,8 @@ from typing import Any
 from eddi_runtime import Monitor as RunningMonitor
 
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.recordings.messages import Message
-from eddi_scaffold.recordings.messages import Publications as ProductPublisher
+from eddi_scaffold.recordings.node import Message
+from eddi_scaffold.recordings.node import Publications as ProductPublisher
 
 Published = Sequence[tuple[str, Message]]
 

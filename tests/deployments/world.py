@@ -11,8 +11,7 @@ from functools import cached_property
 from eddi_runtime import Monitor as RunningMonitor
 
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.recordings.messages import Message
-from eddi_scaffold.recordings.node import GivenInput, Received, ReplayedNode
+from eddi_scaffold.recordings.node import GivenInput, Message, Received, ReplayedNode
 from eddi_scaffold.recordings.playing import compiled
 from tests.deployments.history import History
 from tests.deployments.publishing import Publisher

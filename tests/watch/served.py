@@ -9,8 +9,7 @@ from eddi_scaffold.cli.watch import pictures_of
 from eddi_scaffold.watch.fleet import FleetState
 from eddi_scaffold.watch.following import seconds
 from eddi_scaffold.watch.messages import DIAGNOSTICS, DIAGNOSTICS_TOPIC, Message
-from eddi_scaffold.watch.page import view_of
-from eddi_scaffold.watch.page_server import Feed, open_server
+from eddi_scaffold.watch.page import Feed, open_server, view_of
 from tests.watch.recorded import ROBOT, warehouse
 
 
