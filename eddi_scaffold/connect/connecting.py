@@ -325,19 +325,9 @@ class _Connecting:
         groups = items_of(section.get("synonyms")) if isinstance(section, Map) else ()
         texts = [[i.text for i in items_of(group) if isinstance(i, Scalar)] for group in groups]
         synonyms = frozenset(frozenset(words(" ".join(group))) for group in texts)
+        links = self.model.links
         return [
-            InputNeed(
-                item.id,
-                item.type,
-                item.unit,
-                item.description or "",
-                item.is_demand,
-                item.safety,
-                item.states,
-                item.timeout,
-                synonyms,
-                events_of(self.model.links, item.id),
-            )
+            InputNeed(**vars(item), synonyms=synonyms, events=events_of(links, item.id))
             for item in inputs
         ]
 

@@ -15,13 +15,13 @@ from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import TODO, attribute, is_identifier
 from eddi_scaffold.common.toml_tables import read_toml
 from eddi_scaffold.config.field_types import Fields, element, is_primitive, python_type
-from eddi_scaffold.kinds import InputType
+from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.monitors.message_types.documented import documented
 from eddi_scaffold.mros.topics import TopicEntry
 
 WORDS = read_toml(Path(__file__).with_name("words.toml"))
 Synonyms = frozenset[frozenset[str]]  # groups of words; those of a group mean the same
-_SYNONYMS: Synonyms = frozenset(frozenset(group.split()) for group in WORDS["synonyms"])
+_SYNONYMS: Synonyms = frozenset(frozenset(group.split()) for group in WORDS["synonyms"].values())
 _SAYING_NOTHING = frozenset(WORDS["saying_nothing"].split())
 _BREAK = re.compile(r"[^A-Za-z0-9]+|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _LONG = 4
@@ -58,18 +58,9 @@ def _likeness(first: str, second: str, synonyms: Synonyms) -> float:
 
 
 @dataclass(frozen=True)
-class InputNeed:
-    """What an input needs."""
+class InputNeed(ModelInput):
+    """An input of a model, and what else tells which topic may fill it."""
 
-    id: str
-    type: InputType
-    # of the model; `""` for a ratio, `None` where it has none or is not known
-    unit: str | None = None
-    description: str = ""  # of the model, for people
-    is_demand: bool = False  # only the output of another monitor can fulfil it
-    needs_age: bool = True  # a value that is too old would be dangerous
-    states: tuple[str, ...] = ()  # names of the states of one that is a state
-    timeout: float | None = None  # seconds after which the model takes it as unknown
     synonyms: Synonyms = frozenset()  # words that mean the same on this robot
     events: tuple[str, ...] = ()  # of the EDDI, that say when it holds, with their conditions
 
@@ -81,7 +72,7 @@ class InputNeed:
     @cached_property
     def described(self) -> Sequence[str]:
         """What the description and the events tell."""
-        return _telling(" ".join((self.description, *self.events)))
+        return _telling(" ".join((self.description or "", *self.events)))
 
     @cached_property
     def compared(self) -> Sequence[str]:
@@ -92,7 +83,7 @@ class InputNeed:
     @cached_property
     def every_word(self) -> frozenset[str]:
         """All words of id and description."""
-        return frozenset(words(f"{self.id} {self.description}"))
+        return frozenset(words(f"{self.id} {self.description or ''}"))
 
     @property
     def is_number(self) -> bool:
@@ -236,7 +227,9 @@ def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:
     if leaf.is_variance:
         return FieldUse("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
     # a scan has other numbers as well: the share of it that fits a map is not its least range
-    is_distance = need.is_number and (need.unit is not None or need.says(WORDS["distance"]))
+    is_distance = need.is_number and (
+        need.unit is not None or need.says(WORDS["synonyms"]["distance"] + WORDS["least"])
+    )
     if topic.message in WORDS["scans"].split() and leaf.path[0] == "ranges[]" and is_distance:
         every = leaf.text.replace("[]", "[*]")
         return FieldUse("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)

@@ -150,7 +150,7 @@ EVIL = [one for one in HOSTILE if "\ud800" not in one]  # no file has that
 @pytest.mark.parametrize("evil", [*EVIL, 'x\n# connect: y\u2028EDDIOutputs: [] # "*&!', "TODO"])
 def test_names_of_models_stay_data(evil: str) -> None:
     topics = [RobotTopic(evil, f"b/{evil}", evil), RobotTopic("c", "std_msgs/Bool", evil)]
-    needs = [InputNeed(evil, "bool"), InputNeed("Charge", "float", evil, description=evil)]
+    needs = [InputNeed(evil, "bool"), InputNeed("Charge", "float", unit=evil, description=evil)]
     options = {evil or "-": {"map": {evil: evil}}, "later": {evil: {"bins": "TODO"}}}
     notes = {("later", evil, "bins"): evil}
     text = written("", replace(draft(needs, topics), options=options, notes=notes))
