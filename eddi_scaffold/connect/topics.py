@@ -94,9 +94,9 @@ class InputNeed(ModelInput):
         """Return the best match of a word among others, from 0 to 1."""
         return max((_likeness(word, other, self.synonyms) for other in others), default=0.0)
 
-    def says(self, any_of: str) -> bool:
-        """Return whether id or description has one of some words."""
-        return not self.every_word.isdisjoint(any_of.split())
+    def says(self, *texts: str) -> bool:
+        """Return whether id or description has a word of some texts."""
+        return not self.every_word.isdisjoint(" ".join(texts).split())
 
 
 FieldsOf = Callable[[str], Fields | None]
@@ -227,9 +227,8 @@ def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:
     if leaf.is_variance:
         return FieldUse("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
     # a scan has other numbers as well: the share of it that fits a map is not its least range
-    is_distance = need.is_number and (
-        need.unit is not None or need.says(WORDS["synonyms"]["distance"] + WORDS["least"])
-    )
+    is_called_distance = need.says(WORDS["synonyms"]["distance"], WORDS["least"])
+    is_distance = need.is_number and (need.unit is not None or is_called_distance)
     if topic.message in WORDS["scans"].split() and leaf.path[0] == "ranges[]" and is_distance:
         every = leaf.text.replace("[]", "[*]")
         return FieldUse("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)

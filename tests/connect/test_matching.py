@@ -65,7 +65,7 @@ def test_what_is_clear_is_taken(
         (
             InputNeed("ObstacleDistance", "float", unit="m"),
             "scan_front",
-            "MIN(scan_front.ranges[*], ",
+            "MIN(scan_front",
         ),
         (InputNeed("ClimbSpeed", "float", unit="m/s"), "odom", "twist.twist.linear.z"),
         (InputNeed("RadioLink", "bool"), "link_lost", "data"),
@@ -76,7 +76,7 @@ def test_what_is_clear_is_taken(
         (
             InputNeed("DistanceToRearGoal", "float", unit="m"),
             "scan_rear",
-            "MIN(scan_rear.ranges[*], ",
+            "MIN(scan_rear",
         ),
         (InputNeed("Demand", "bool", is_demand=True), "guarantees", "guarantees[TODO].active"),
     ],
