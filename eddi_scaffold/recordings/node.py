@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import ast
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.history import EDDIInputBase
@@ -27,10 +27,14 @@ from eddi_scaffold.config.field_types import element, is_primitive
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.monitors.message_types import known_messages
-from eddi_scaffold.monitors.publications import publications
+from eddi_scaffold.monitors.publications import Publication, publications
 
 Message = SimpleNamespace  # one attribute for each field, and `message_type`
 
+SECOND = 1_000_000_000  # nanoseconds
+_HELPERS: Mapping[str, Callable[..., Any]] = {
+    called.__name__: called for called in (by_id, by_key, by_name, given, joined)
+}
 _RANGES = {
     f"{sign}int{bits}": range(2**bits) if sign else range(-(2 ** (bits - 1)), 2 ** (bits - 1))
     for sign in ("", "u")
@@ -94,53 +98,30 @@ def _checked(type_: str, value: Any) -> Any:
     return value
 
 
-@dataclass(frozen=True)
-class Channel:
+class Channel(NamedTuple):
     """One topic of a monitor."""
 
     topic: str  # its full name
-    of: str  # which message of the monitor: empty for the result, else an additional one
-    only: str | None  # id of the one message of several that goes here
+    publication: Publication
     path: Sequence[PlainStep]  # to the one value of the message that goes here, empty for all of it
-    type: str  # of the message
-
-    def picked(self, message: Message) -> Iterator[Message]:
-        """Yield what goes to the topic; nothing where the message does not have the value."""
-        if self.only not in (None, getattr(message, "id", None)):
-            return
-        if not self.path:
-            yield message
-            return
-        with suppress(AttributeError, LookupError):
-            yield Message(message_type=self.type, data=follow(message, self.path))
 
 
 class Publications:
-    """The topics of one monitor, which has a configuration without errors.
+    """The topics of one monitor, which has a configuration without errors."""
 
-    Args:
-        monitor: the monitor.
-        full_name: topic as in the configuration -> its full name, if not that of the monitor.
-    """
-
-    def __init__(
-        self, monitor: BoundMonitor, full_name: Callable[[str], str] | None = None
-    ) -> None:
+    def __init__(self, monitor: BoundMonitor) -> None:
         assert monitor.config is not None
-        full_name = full_name or monitor.topic
         outputs, problems = publications(monitor, monitor.config)
         assert not problems, problems
         self.channels = [
-            Channel(
-                full_name(publication.output.topic),
-                publication.of,
-                publication.output.event,
-                [plain_step(step) for step in publication.path],
-                publication.type,
-            )
-            for publication in outputs
+            Channel(monitor.topic(entry.output.topic), entry, [*map(plain_step, entry.path)])
+            for entry in outputs
         ]
-        self.topics = frozenset(channel.topic for channel in self.channels)
+
+    @property
+    def topics(self) -> frozenset[str]:
+        """Their full names."""
+        return frozenset(channel.topic for channel in self.channels)
 
     def messages(
         self, running: RuntimeMonitor[Any], output: Any, topics: Collection[str]
@@ -148,24 +129,24 @@ class Publications:
         """Return topic and message of what a step publishes, on some topics."""
         by_message: dict[str, Sequence[Message]] = {}
         published: list[tuple[str, Message]] = []
-        for channel in self.channels:
-            if channel.topic not in topics:
+        for topic, entry, path in self.channels:
+            if topic not in topics:
                 continue
-            of = channel.of
+            of = entry.of
             if of not in by_message:
                 trees = getattr(running, f"{of}_message")() if of else running.message(output)
                 trees = trees if isinstance(trees, list) else [] if trees is None else [trees]
                 by_message[of] = [message_of(tree) for tree in trees]
             for message in by_message[of]:
-                published += [(channel.topic, picked) for picked in channel.picked(message)]
+                if entry.output.event not in (None, getattr(message, "id", None)):
+                    continue
+                if not path:
+                    published.append((topic, message))
+                    continue
+                with suppress(AttributeError, LookupError):  # it does not have the value
+                    value = Message(message_type=entry.type, data=follow(message, path))
+                    published.append((topic, value))
         return published
-
-
-SECOND = 1_000_000_000  # nanoseconds
-
-_HELPERS: Mapping[str, Callable[..., Any]] = {
-    called.__name__: called for called in (by_id, by_key, by_name, given, joined)
-}
 
 
 @dataclass(frozen=True)
