@@ -209,16 +209,16 @@ def follow(port: int, stopped: Callable[[], bool]) -> None:
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
     connection.request("GET", "/events")
     stream = connection.getresponse()
-    graph, due = None, 0.0
+    picture = b""
     with contextlib.suppress(OSError, ValueError):
         while not stopped() and (line := stream.readline()):
-            for one in json.loads(line[6:])["groups"] if line.startswith(b"data: ") else ():
-                if one["graph"] != graph and time.monotonic() >= due:
-                    graph, due = one["graph"], time.monotonic() + 1.0
-                    other = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
-                    other.request("GET", f"/graph/0.svg?{graph}")
-                    other.getresponse().read()
-                    other.close()
+            pictures = re.findall(rb"/graph/0\.svg\?[0-9]+", line)
+            if pictures and pictures[0] != picture:
+                picture = pictures[0]
+                other = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+                other.request("GET", picture.decode())
+                other.getresponse().read()
+                other.close()
 
 
 def measured(pids: list[int], seconds: float) -> list[float]:

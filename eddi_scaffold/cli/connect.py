@@ -53,9 +53,8 @@ def connect(
         bag: ROS 1 or 2 bag of the robot: its topics, and max_age.
         output: The configuration to write or to complete; else it is printed.
     """
-    from eddi_scaffold.connect.connecting import connect
+    from eddi_scaffold.connect.connecting import Surroundings, connect
     from eddi_scaffold.connect.draft import recorded_age
-    from eddi_scaffold.connect.surroundings import Surroundings
     from eddi_scaffold.packages.transaction import rewrite
     from eddi_scaffold.recordings.bags import read_contents
 

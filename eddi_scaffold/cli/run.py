@@ -61,7 +61,7 @@ def run(
     from eddi_scaffold.packages.assembly import monitors_of, only
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.recordings.playing import ROWS, of_messages, of_values, play, step_rule
-    from eddi_scaffold.recordings.results import changes, picture, steps, table, with_progress
+    from eddi_scaffold.recordings.results import changes, picture, steps, table
 
     if (as_json and as_csv) or (inputs is None) == (bag is None):
         raise EddiError(problem("G000.formats" if as_json and as_csv else "G000.one_recording"))
@@ -97,7 +97,7 @@ def run(
         node = None if package is None else package.from_values()
         return play(of_values(monitors, rules, node), recording)
 
-    playback = with_progress(played(), console.progress)
+    playback = played()
     if package is not None:
         playback = package.raising(playback, lambda p: console.problems([p], summary=False))
     lines = (

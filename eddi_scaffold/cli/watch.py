@@ -105,15 +105,14 @@ def _serve(
 ) -> None:
     """Show the page, as long as nobody interrupts it."""
     from eddi_scaffold.watch.following import follow
-    from eddi_scaffold.watch.page import view_of
-    from eddi_scaffold.watch.page_server import Feed, open_server
+    from eddi_scaffold.watch.page import Feed, View, open_server
 
-    feed = Feed(view_of(state.snapshot(0.0), clock))
+    feed = Feed(View(state.snapshot(0.0), clock))
     with open_server(port, feed, pictures_of(models)) as server:
         console.say(f"the fleet is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
-            follow(source, state, lambda now, notes: feed.show(view_of(now, clock, notes)))
+            follow(source, state, lambda now, notes: feed.show(View(now, clock, notes)))
             threading.Event().wait()
         finally:
             feed.close()

@@ -145,7 +145,7 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
         age = _todo("max_age", _SECONDS)
     if need.timeout is not None:
         age = Age(need.timeout, "TIMEOUT of the model").line()
-    elif not need.needs_age:
+    elif not need.safety:
         age = ""
     comments = tuple(f"{MARK} {one_line(reason)}" for reason in why)
     return EntryDraft(need.id, comments, tuple(source), taken, age)
@@ -160,7 +160,8 @@ def _choice(decision: Decision) -> list[str]:
         count = len(candidates)
         head = "1 candidate, not sure" if count == 1 else f"{count} candidates, take one"
     elif missed is not None:
-        head = f"no topic fits; nearest {missed.leaf.text} of {missed.topic.topic}: {missed.why}"
+        value = f"{missed.leaf.text} of {missed.topic.topic}"
+        head = f"no topic fits; nearest {value}: {missed.reasons[0]}"
     else:
         head = "no topic fits"
     return [head, *(f"  {_line(candidate, decision)}" for candidate in candidates)]

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
 
 from eddi_scaffold.common import units
-from eddi_scaffold.connect.needs import WORDS, InputNeed, words
 from eddi_scaffold.connect.scoring import ALARM, Candidate, Scorer
-from eddi_scaffold.connect.topics import FieldsOf, FieldUse, RobotTopic, TopicField, leaves
+from eddi_scaffold.connect.topics import (
+    WORDS,
+    FieldsOf,
+    FieldUse,
+    InputNeed,
+    RobotTopic,
+    TopicField,
+    leaves,
+    words,
+)
 
 _GUARANTEES, _POSTERIORS = "eddi_messages/ConSertOutput", "eddi_messages/BayesianNetworkOutput"
 _SETTING = re.compile(
@@ -28,15 +36,6 @@ _COMPOSED = 100
 
 
 @dataclass(frozen=True)
-class NearMiss:
-    """A topic that a rule keeps out, though its name fits."""
-
-    topic: RobotTopic
-    leaf: TopicField
-    why: str
-
-
-@dataclass(frozen=True)
 class Decision:
     """What is known of the topic of an input."""
 
@@ -46,7 +45,8 @@ class Decision:
     candidates: tuple[Candidate, ...] = ()  # the best one of each topic, best first
     # points between the taken one and the next of any topic, `None` without a next one
     lead: int | None = None
-    missed: NearMiss | None = None  # where there are none
+    # where there are none, the value that fits best by its name, with the rule that keeps it out
+    missed: Candidate | None = None
 
 
 @dataclass(frozen=True)
@@ -134,19 +134,19 @@ class _Matcher:
             return Decision(need, "taken", listed, lead)
         return Decision(need, "listed", listed)
 
-    def _missed(self, need: InputNeed) -> NearMiss | None:
+    def _missed(self, need: InputNeed) -> Candidate | None:
         """Return the value that would fit best by its name, with the rule that keeps it out."""
         scorer = Scorer(need, self._topics)
         likeness = scorer.likeness
         topic = min(self._topics, key=lambda topic: (-likeness(topic), topic.id), default=None)
         if topic is None or not likeness(topic):
             return None
-        misses = {
-            (-scorer.score(topic, leaf).parts["name"], leaf.path): NearMiss(topic, leaf, why)
+        misses = [
+            replace(scorer.score(topic, leaf), reasons=(reason,))
             for leaf in self._leaves_of(topic.type)
-            if (why := objection(need, topic.type, leaf)) is not None
-        }
-        return misses[min(misses)] if misses else None
+            if (reason := objection(need, topic.type, leaf)) is not None
+        ]
+        return min(misses, key=lambda miss: (-miss.parts["name"], miss.leaf.path), default=None)
 
 
 def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:
@@ -164,7 +164,7 @@ def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:
     is_size = name in WORDS["pictures"].split() and _SIZE.fullmatch(names[-1])
     if is_size or any(map(_SETTING.fullmatch, names)):
         return "it is a setting of the sensor"
-    if leaf.path and leaf.is_variance != need.says(WORDS["uncertainty"]):
+    if leaf.path and leaf.is_variance != need.says(WORDS["synonyms"]["uncertainty"]):
         return "it is an uncertainty" if leaf.is_variance else "it is not an uncertainty"
     if leaf.path and not _has_type(need, message, leaf):
         return f"it is a {leaf.type}"

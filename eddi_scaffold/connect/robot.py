@@ -15,8 +15,15 @@ from eddi_scaffold.config.field_types import declared
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_config
 from eddi_scaffold.monitors.loading import is_config
-from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, System, read_ros_models
-from eddi_scaffold.mros.directory import load_models, load_system, problem_of
+from eddi_scaffold.mros import (
+    SYSTEM_SUFFIX,
+    MrosSyntaxError,
+    System,
+    load_models,
+    load_system,
+    problem_of,
+    read_ros_models,
+)
 from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.topics import Outputs, TopicEntry, silent_problems, simulator_outputs
 

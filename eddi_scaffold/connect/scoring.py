@@ -7,8 +7,16 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.common import units
-from eddi_scaffold.connect.needs import MEANS_THE_SAME, WORDS, InputNeed, words
-from eddi_scaffold.connect.topics import FieldUse, RobotTopic, TopicField, access
+from eddi_scaffold.connect.topics import (
+    MEANS_THE_SAME,
+    WORDS,
+    FieldUse,
+    InputNeed,
+    RobotTopic,
+    TopicField,
+    access,
+    words,
+)
 
 _TELLING = 14  # from so many points on, the message alone explains the words of its row
 _NAME = 50

@@ -1,20 +1,103 @@
-"""Topics of a robot, and the values that their messages hold."""
+"""What inputs need, topics of a robot, and the values that their messages hold."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import islice
+from os.path import commonprefix
+from pathlib import Path
 from typing import Literal
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import TODO, attribute, is_identifier
+from eddi_scaffold.common.toml_tables import read_toml
 from eddi_scaffold.config.field_types import Fields, element, is_primitive, python_type
-from eddi_scaffold.connect.needs import WORDS, InputNeed, words
+from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.monitors.message_types.documented import documented
 from eddi_scaffold.mros.topics import TopicEntry
+
+WORDS = read_toml(Path(__file__).with_name("words.toml"))
+Synonyms = frozenset[frozenset[str]]  # groups of words; those of a group mean the same
+_SYNONYMS: Synonyms = frozenset(frozenset(group.split()) for group in WORDS["synonyms"].values())
+_SAYING_NOTHING = frozenset(WORDS["saying_nothing"].split())
+_BREAK = re.compile(r"[^A-Za-z0-9]+|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_LONG = 4
+_COMMON = 5
+MEANS_THE_SAME = 0.7  # from this match on, a word is taken for another one
+
+
+@cache
+def words(text: str) -> tuple[str, ...]:
+    """Split a name or a sentence into words: lower case, one word for each direction."""
+    return tuple(
+        WORDS["same"].get(word, word) for word in map(str.lower, _BREAK.split(text)) if word
+    )
+
+
+def _telling(text: str) -> list[str]:
+    """Return the words of an input that tell what it is; all of them where none does."""
+    every = list(dict.fromkeys(words(text)))
+    return [word for word in every if word not in _SAYING_NOTHING] or every
+
+
+@cache
+def _likeness(first: str, second: str, synonyms: Synonyms) -> float:
+    """Return how far two words mean the same, from 0 to 1."""
+    if first == second:
+        return 1.0
+    if any(first in group and second in group for group in _SYNONYMS | synonyms):
+        return 0.8
+    common = len(commonprefix((first, second)))  # noqa: RUF071 - characters are meant
+    shorter, longer = sorted((len(first), len(second)))
+    if shorter >= _LONG and common == shorter:
+        return 0.7
+    return 0.6 if common >= _COMMON and 2 * common >= longer else 0.0
+
+
+@dataclass(frozen=True)
+class InputNeed(ModelInput):
+    """An input of a model, and what else tells which topic may fill it."""
+
+    synonyms: Synonyms = frozenset()  # words that mean the same on this robot
+    events: tuple[str, ...] = ()  # of the EDDI, that say when it holds, with their conditions
+
+    @cached_property
+    def words(self) -> Sequence[str]:
+        """What the id tells."""
+        return _telling(self.id)
+
+    @cached_property
+    def described(self) -> Sequence[str]:
+        """What the description and the events tell."""
+        return _telling(" ".join((self.description or "", *self.events)))
+
+    @cached_property
+    def compared(self) -> Sequence[str]:
+        """What the conditions of the events read."""
+        conditions = " ".join(event.partition(" (")[2] for event in self.events)
+        return [word for word in words(conditions) if word.isalpha()]
+
+    @cached_property
+    def every_word(self) -> frozenset[str]:
+        """All words of id and description."""
+        return frozenset(words(f"{self.id} {self.description or ''}"))
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it is one number."""
+        return self.type in ("float", "int")
+
+    def fit(self, word: str, others: Iterable[str]) -> float:
+        """Return the best match of a word among others, from 0 to 1."""
+        return max((_likeness(word, other, self.synonyms) for other in others), default=0.0)
+
+    def says(self, *texts: str) -> bool:
+        """Return whether id or description has a word of some texts."""
+        return not self.every_word.isdisjoint(" ".join(texts).split())
+
 
 FieldsOf = Callable[[str], Fields | None]
 _DEPTH = 6
@@ -144,7 +227,8 @@ def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:
     if leaf.is_variance:
         return FieldUse("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
     # a scan has other numbers as well: the share of it that fits a map is not its least range
-    is_distance = need.is_number and (need.unit is not None or need.says(WORDS["distance"]))
+    is_called_distance = need.says(WORDS["synonyms"]["distance"], WORDS["least"])
+    is_distance = need.is_number and (need.unit is not None or is_called_distance)
     if topic.message in WORDS["scans"].split() and leaf.path[0] == "ranges[]" and is_distance:
         every = leaf.text.replace("[]", "[*]")
         return FieldUse("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)

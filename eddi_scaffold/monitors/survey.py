@@ -18,8 +18,13 @@ from eddi_scaffold.eddi_xml.survey import foreign, survey, unread
 from eddi_scaffold.kinds import JsonValue, Model, kinds
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, is_mros, read_models
-from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models, read_rossystem
-from eddi_scaffold.mros.directory import problem_of
+from eddi_scaffold.mros import (
+    SYSTEM_SUFFIX,
+    MrosSyntaxError,
+    problem_of,
+    read_ros_models,
+    read_rossystem,
+)
 from eddi_scaffold.mros.show import failure_json, model_json, model_tree, system_json, system_tree
 from eddi_scaffold.yaml_text.nodes import read_map
 

@@ -14,11 +14,17 @@ It is not the RobMoSys project MROS (metacontrol for ROS), although that one als
 
 from __future__ import annotations
 
+import os
 import re
+from dataclasses import replace
+from pathlib import Path
 
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.mros.brace_format import BraceReader
 from eddi_scaffold.mros.indent_format import IndentReader
 from eddi_scaffold.mros.model import RosModel, System
+from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError, decoded
 
 __all__ = ["MrosSyntaxError", "RosModel", "System", "read_ros_models", "read_rossystem"]
@@ -67,3 +73,74 @@ def _reader(source: str | bytes, file: str) -> BraceReader | IndentReader:
         raise text.error(0, _XMI, FOREIGN_FORMAT, "xmi")
     text.dialect = "brace" if _BRACE.match(text.text, start) else "indent"
     return BraceReader(text) if text.dialect == "brace" else IndentReader(text)
+
+
+def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Problem]]:
+    """Read a system for a command; inside of a directory of models it is named relative to it.
+
+    Returns:
+        The system and its warnings.
+
+    Raises:
+        EddiError: it cannot be read, or is in a format that is not understood.
+    """
+    name = str(path)
+    if folder is not None and path.resolve().is_relative_to(folder.resolve()):
+        name = path.resolve().relative_to(folder.resolve()).as_posix()
+    try:
+        system = read_rossystem(read_source(path).data, name)
+    except MrosSyntaxError as failed:
+        failed.file = str(path)
+        raise EddiError(problem_of(failed)) from None
+    if system.references_only:
+        raise EddiError(problem("M001.references", Place(str(path), 1, 1)))
+    return system, list(system.problems)
+
+
+def load_models(folder: Path, *, systems: bool = False) -> Models:
+    """Read every model below a directory, in the order of the POSIX paths, or systems as well.
+
+    Links to directories are not followed, hidden ones not entered: ours hold copies of models.
+
+    Raises:
+        EddiError: there is no such directory (F001).
+    """
+    if not folder.is_dir():
+        reason = "it is not a directory" if folder.exists() else "there is no such directory"
+        raise EddiError(problem("F001.models", Place(str(folder)), reason=reason))
+    suffixes = (*MODEL_SUFFIXES, SYSTEM_SUFFIX) if systems else MODEL_SUFFIXES
+    names = []
+    for root, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        names += [
+            Path(root, name).relative_to(folder).as_posix()
+            for name in files
+            if name.endswith(suffixes)
+        ]
+    models: list[RosModel] = []
+    parts: list[System] = []
+    skipped, problems = [], list[Problem]()
+    for name in sorted(names):
+        try:
+            data = read_source(folder / name).data
+            if name.endswith(SYSTEM_SUFFIX):
+                parts.append(read_rossystem(data, name))
+                continue
+            model = read_ros_models(data, name)
+        except (EddiError, MrosSyntaxError) as failed:
+            if not name.endswith(SYSTEM_SUFFIX):  # a sub-system that is missing is reported as such
+                problems += (
+                    failed.problems if isinstance(failed, EddiError) else [problem_of(failed)]
+                )
+                skipped.append(name)
+            continue
+        problems += model.problems
+        models.append(model)
+    return Models(tuple(models), tuple(parts), tuple(skipped), tuple(problems))
+
+
+def problem_of(failed: MrosSyntaxError) -> Problem:
+    """Return an error of the readers as a problem; nothing but comments is a warning."""
+    place = Place(failed.file, failed.line, failed.col)
+    fault = problem(failed.case, place, reason=failed.message)
+    return fault if failed.case == EMPTY_FILE else replace(fault, excerpt=failed.source_line)

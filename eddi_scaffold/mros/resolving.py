@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,21 +20,6 @@ from eddi_scaffold.mros.model import (
 
 LOST_TOPICS = ("M007.listed_only", "M023.missing")
 """After which a system may have topics that are not known."""
-
-
-@dataclass(frozen=True)
-class Models:
-    """What a directory of models holds, with POSIX paths relative to it."""
-
-    files: tuple[RosModel, ...]  # in the order of their paths
-    systems: tuple[System, ...] = ()  # for sub-systems; in the order of their paths
-    skipped: tuple[str, ...] = ()  # files that could not be read
-    problems: tuple[Problem, ...] = ()  # of the files, which may be readable all the same
-
-    @cached_property
-    def definitions(self) -> Definitions:
-        """The interfaces of all files by name."""
-        return Definitions(self)
 
 
 @dataclass(frozen=True)
@@ -71,26 +55,40 @@ class InterfaceReference:
         return cls(*parts) if len(parts) == 4 and all(parts) else None
 
 
-class Definitions:
-    """All nodes and interfaces of a directory, by name."""
+@dataclass(frozen=True)
+class Models:
+    """What a directory of models holds, with POSIX paths relative to it."""
 
-    def __init__(self, models: Models) -> None:
-        self._nodes: list[NodeModel] = []
-        self._by_name: dict[tuple[str, str], list[NodeModel]] = defaultdict(list)
-        self._by_artifact: dict[str, list[NodeModel]] = defaultdict(list)
-        self._skipped = ", ".join(models.skipped)
-        for model in models.files:
-            for package in model.packages:
-                for artifact in package.artifacts:
-                    if artifact.node is not None:
-                        node = NodeModel(model.file, package.name, artifact)
-                        self._nodes.append(node)
-                        self._by_name[node.name].append(node)
-                        self._by_artifact[artifact.name].append(node)
+    files: tuple[RosModel, ...]  # in the order of their paths
+    systems: tuple[System, ...] = ()  # for sub-systems; in the order of their paths
+    skipped: tuple[str, ...] = ()  # files that could not be read
+    problems: tuple[Problem, ...] = ()  # of the files, which may be readable all the same
 
-    def nodes(self, package: str, node: str) -> Sequence[NodeModel]:
-        """Return the models of a node, in reading order."""
-        return self._by_name.get((package, node), ())
+    @cached_property
+    def nodes(self) -> Sequence[NodeModel]:
+        """The nodes of all files, in reading order."""
+        return [
+            NodeModel(file.file, package.name, artifact)
+            for file in self.files
+            for package in file.packages
+            for artifact in package.artifacts
+            if artifact.node is not None
+        ]
+
+    @cached_property
+    def by_name(self) -> Mapping[tuple[str, str], Sequence[NodeModel]]:
+        """Package and name of a node -> its models."""
+        names: dict[tuple[str, str], list[NodeModel]] = {}
+        for node in self.nodes:
+            names.setdefault(node.name, []).append(node)
+        return names
+
+    @cached_property
+    def _by_artifact(self) -> Mapping[str, Sequence[NodeModel]]:
+        artifacts: dict[str, list[NodeModel]] = {}
+        for node in self.nodes:
+            artifacts.setdefault(node.artifact.name, []).append(node)
+        return artifacts
 
     def _nodes_of(self, reference: InterfaceReference) -> list[NodeModel]:
         return [
@@ -119,7 +117,7 @@ class Definitions:
             what, name, known = "artifact", reference.artifact, {*self._by_artifact}
             if reference.package:
                 name = f"{reference.package}.{reference.artifact}.{reference.node}"
-                what, known = "node", {_dotted(model) for model in self._nodes}
+                what, known = "node", self._dotted()
             reason, hint = f"no model defines the {what} {name!r}", self._hint(name, known)
             return problem("M009.undefined", place, hint=hint, reason=reason)
         interfaces = [interface for model in models for interface in model.artifact.interfaces]
@@ -138,19 +136,18 @@ class Definitions:
     def hint_for_node(self, name: str) -> str | None:
         """Return what helps who named a node in ``from:`` that no file defines."""
         if name.count(".") > 1:
-            return self._hint(name, {_dotted(model) for model in self._nodes})
-        return self._hint(name, {f"{package}.{node}" for package, node in self._by_name})
+            return self._hint(name, self._dotted())
+        return self._hint(name, {".".join(node) for node in self.by_name})
+
+    def _dotted(self) -> set[str]:
+        return {f"{node.package}.{node.artifact.name}.{node.artifact.node}" for node in self.nodes}
 
     def _hint(self, name: str, known: Collection[str]) -> str | None:
         similar = did_you_mean(name, known)
-        if not self._skipped:
+        if not self.skipped:
             return similar
-        skipped = f"could not be read: {self._skipped}"
+        skipped = f"could not be read: {', '.join(self.skipped)}"
         return f"{similar} ({skipped})" if similar else skipped
-
-
-def _dotted(model: NodeModel) -> str:
-    return f"{model.package}.{model.artifact.name}.{model.artifact.node}"
 
 
 @dataclass(frozen=True)
@@ -196,11 +193,11 @@ class Resolver:
     """
 
     def __init__(
-        self, definitions: Definitions, systems: Sequence[System], kinds: Collection[InterfaceKind]
+        self, models: Models, systems: Sequence[System], kinds: Collection[InterfaceKind]
     ) -> None:
         self.interfaces: list[ResolvedInterface] = []  # in the order of the system
         self.problems: list[Problem] = []  # what does not resolve; the rest does all the same
-        self._definitions, self._kinds = definitions, kinds
+        self._known, self._kinds = models, kinds
         for system in systems:
             self._add(system)
 
@@ -221,13 +218,13 @@ class Resolver:
         """Return the models of ``from:``, which is ``package.node`` or, in 2022, three parts."""
         node = component.from_node or ""
         package, dot, name = node.partition(".")
-        models = self._definitions.nodes(package, name.rpartition(".")[2]) if dot else ()
+        models = self._known.by_name.get((package, name.rpartition(".")[2]), ()) if dot else ()
         if not models:
             reason = f"there is no model of the node {component.name!r}, from: {node!r}"
             if not node:
                 reason = f"the node {component.name!r} has no 'from:', so its model is not known"
             case = "M007.listed_only" if component.interfaces else "M007.nothing_listed"
-            hint = self._definitions.hint_for_node(node)
+            hint = self._known.hint_for_node(node)
             self.problems.append(problem(case, component.place, hint=hint, reason=reason))
         elif len({_interfaces(model) for model in models}) > 1:
             files = ", ".join(dict.fromkeys(model.file for model in models))
@@ -254,11 +251,11 @@ class Resolver:
         if reference is None:
             self.problems.append(problem("M009.short", place, ref=listed.ref))
             return name
-        every = self._definitions.find(reference, listed.kind)
+        every = self._known.find(reference, listed.kind)
         own = {model.name for model in models}
         definitions = [pair for pair in every if pair[0].name in own] or every
         if not definitions:
-            self.problems.append(self._definitions.undefined(reference, listed.kind, place))
+            self.problems.append(self._known.undefined(reference, listed.kind, place))
             return name
         interfaces = [interface for _, interface in definitions]
         if len({interface.ros_type or interface.type for interface in interfaces}) > 1:

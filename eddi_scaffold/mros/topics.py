@@ -76,7 +76,7 @@ def simulator_outputs(
     kinds: list[InterfaceKind] = ["publisher"]
     kinds += ["actionserver"] if "actions" in include else []
     kinds += ["subscriber"] if "subscribed" in include else []
-    resolver = Resolver(models.definitions, systems, kinds)
+    resolver = Resolver(models, systems, kinds)
     problems += resolver.problems
     known = (*models.problems, *system.problems, *problems)
     is_complete = not any(fault.level == "error" or fault.case in LOST_TOPICS for fault in known)
@@ -111,7 +111,7 @@ def silent_problems(system: System, models: Models) -> list[Problem]:
     """Return what is wrong with the services and actions of a system, which give no topics."""
     systems, _ = flattened(system, models.systems)
     kinds: Sequence[InterfaceKind] = ("serviceserver", "serviceclient", "actionclient")
-    return Resolver(models.definitions, systems, kinds).problems
+    return Resolver(models, systems, kinds).problems
 
 
 class _Collector:

@@ -31,8 +31,7 @@ from eddi_scaffold.monitors.input_binding import InputBinding, fits
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.recordings.messages import Message, blank
-from eddi_scaffold.recordings.node import Received, ReplayedNode, Step
+from eddi_scaffold.recordings.node import Message, Received, ReplayedNode, Step, blank
 from eddi_scaffold.recordings.playing import Playback, Running
 
 _CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')  # a line of a traceback

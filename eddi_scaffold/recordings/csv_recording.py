@@ -133,8 +133,7 @@ def read_rows(
     return (None if has_errors(problems) else rows), problems
 
 
-@dataclass(frozen=True)
-class _Cell:
+class _Cell(NamedTuple):
     text: str
     col: int
     quoted: bool = False
@@ -180,7 +179,7 @@ class _Reader:
 
     def _columns(self, number: int, line: str) -> tuple[str, ...]:
         """Return the names of the columns; the first ``t`` is the time, also if an input is t."""
-        cells = self._cells(number, line)
+        cells = self._cells(number, line) or []
         names = tuple(cell.text for cell in cells)
         mark = next((mark for mark in _OTHER_MARKS if mark in line), "")
         if len(names) == 1 and mark:
@@ -215,13 +214,13 @@ class _Reader:
         return names
 
     def _row(self, number: int, line: str, columns: Sequence[str], last: float) -> Row | None:
-        errors = self._errors
         cells = self._cells(number, line)
+        if cells is None:
+            return None
         if len(cells) != len(columns):
-            if self._errors == errors:
-                hint = _POINT if len(cells) > len(columns) else None
-                counts = {"actual": len(cells), "expected": len(columns)}
-                self._report("I001.cells", number, 1, hint=hint, **counts)
+            hint = _POINT if len(cells) > len(columns) else None
+            counts = {"actual": len(cells), "expected": len(columns)}
+            self._report("I001.cells", number, 1, hint=hint, **counts)
             return None
         time_at = columns.index(TIME)
         t = self._time(cells[time_at], number, last)
@@ -251,32 +250,23 @@ class _Reader:
             self._report("I006.cell", number, cell.col, hint=_hint(cell), **fields)
         return value
 
-    def _cells(self, number: int, line: str) -> list[_Cell]:
+    def _cells(self, number: int, line: str) -> list[_Cell] | None:
         """Split a line at its commas; columns count from 1."""
         cells: list[_Cell] = []
         position = 0
-        if '"' not in line:
-            for part in line.split(","):
-                cells.append(_plain(part, position))
-                position += len(part) + 1
-            return cells
         while match := _CELL.match(line, position):
             quoted, plain, end = match.groups()
             if quoted is None:
-                cells.append(_plain(plain, position))
+                text = plain.strip()
+                blanks = len(plain) - len(plain.lstrip()) if text else 0
+                cells.append(_Cell(text, position + blanks + 1))
             else:
                 cells.append(_Cell(quoted.replace('""', '"'), match.start(1), quoted=True))
             if not end:
                 return cells
             position = match.end()
         self._report("I001.quote", number, position + 1)
-        return []
-
-
-def _plain(part: str, start: int) -> _Cell:
-    """Return a cell without quotes, the blanks around it cut; ``start`` counts from 0."""
-    text = part.strip()
-    return _Cell(text, start + (len(part) - len(part.lstrip()) if text else 0) + 1)
+        return None
 
 
 def _hint(cell: _Cell) -> str | None:

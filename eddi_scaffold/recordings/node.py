@@ -1,29 +1,152 @@
-"""The part of a node between its subscribers and the monitor, without ROS.
+"""A node without ROS: what is between its subscribers and the monitor, and what it publishes.
 
-What reaches it is ROS messages, or objects with their fields.
+What reaches it is ROS messages, or objects with their fields. What it publishes is checked field
+by field: a tree that does not fit its ``.msg`` file is refused, as a node would refuse it.
 """
 
 from __future__ import annotations
 
 import ast
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.monitor import Tree
 from eddi_runtime.node.pasted import understood
-from eddi_runtime.plain_values import by_id, by_key, by_name, given, joined
+from eddi_runtime.plain_values import by_id, by_key, by_name, follow, given, joined
 
+from eddi_scaffold.config.field_paths import PlainStep, plain_step
+from eddi_scaffold.config.field_types import element, is_primitive
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
+from eddi_scaffold.monitors.message_types import known_messages
+from eddi_scaffold.monitors.publications import Publication, publications
+
+Message = SimpleNamespace  # one attribute for each field, and `message_type`
 
 SECOND = 1_000_000_000  # nanoseconds
-
 _HELPERS: Mapping[str, Callable[..., Any]] = {
     called.__name__: called for called in (by_id, by_key, by_name, given, joined)
 }
+_RANGES = {
+    f"{sign}int{bits}": range(2**bits) if sign else range(-(2 ** (bits - 1)), 2 ** (bits - 1))
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+}
+_HEADER = "std_msgs/Header"
+_PLAIN_DEFAULTS: Mapping[str, Any] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
+
+
+def blank(message_type: str) -> Message:
+    """Return a message in which every field has the default of its type."""
+    fields = known_messages()[message_type].items()
+    return Message(message_type=message_type, **{name: _default(type_) for name, type_ in fields})
+
+
+def _default(type_: str) -> Any:
+    if type_.endswith("]"):
+        return []
+    return _PLAIN_DEFAULTS.get(type_, 0) if is_primitive(type_) else blank(type_)
+
+
+@cache
+def _fields(message_type: str) -> tuple[Mapping[str, str], Mapping[str, Message]]:
+    """Return the types of the fields that a monitor fills, and its headers, which are empty."""
+    types = known_messages()[message_type]
+    headers = {name: blank(_HEADER) for name, type_ in types.items() if type_ == _HEADER}
+    return {name: types[name] for name in types if name not in headers}, headers
+
+
+def message_of(tree: Tree) -> Message:
+    """Return a message of the product's own package.
+
+    Raises:
+        TypeError: a field is missing, surplus, or of a wrong type.
+    """
+    name, fields = tree
+    message_type = f"eddi_messages/{name}"
+    types, headers = _fields(message_type)
+    if fields.keys() != types.keys():
+        raise TypeError(f"{message_type} has {sorted(types)}, not {sorted(fields)}")
+    content = {name: _checked(type_, fields[name]) for name, type_ in types.items()}
+    return Message(**content, **headers, message_type=message_type)
+
+
+def _checked(type_: str, value: Any) -> Any:
+    """Return a value of a field as the message holds it."""
+    if type_ in ("bool", "string"):
+        fits = type(value) is (bool if type_ == "bool" else str)
+    elif type_ in _RANGES:
+        fits = type(value) is int and value in _RANGES[type_]
+    elif type_ in _PLAIN_DEFAULTS:
+        fits, value = type(value) in (int, float), float(value)
+    elif (inner := element(type_)) is not None:
+        fits = isinstance(value, list | tuple)
+        value = [_checked(inner, item) for item in value]
+    else:
+        fits = isinstance(value, tuple) and f"eddi_messages/{value[0]}" == type_
+        value = message_of(value)
+    if not fits:
+        raise TypeError(f"a field of type {type_} cannot be {value!r}")
+    return value
+
+
+class Channel(NamedTuple):
+    """One topic of a monitor."""
+
+    topic: str  # its full name
+    publication: Publication
+    path: Sequence[PlainStep]  # to the one value of the message that goes here, empty for all of it
+
+
+class Publications:
+    """The topics of one monitor, which has a configuration without errors."""
+
+    def __init__(self, monitor: BoundMonitor) -> None:
+        assert monitor.config is not None
+        outputs, problems = publications(monitor, monitor.config)
+        assert not problems, problems
+        self.channels = [
+            Channel(monitor.topic(entry.output.topic), entry, [*map(plain_step, entry.path)])
+            for entry in outputs
+        ]
+
+    @property
+    def topics(self) -> frozenset[str]:
+        """Their full names."""
+        return frozenset(channel.topic for channel in self.channels)
+
+    def messages(
+        self, running: RuntimeMonitor[Any], output: Any, topics: Collection[str]
+    ) -> list[tuple[str, Message]]:
+        """Return topic and message of what a step publishes, on some topics."""
+        by_message: dict[str, Sequence[Message]] = {}
+        published: list[tuple[str, Message]] = []
+        for topic, entry, path in self.channels:
+            if topic not in topics:
+                continue
+            of = entry.of
+            if of not in by_message:
+                trees = getattr(running, f"{of}_message")() if of else running.message(output)
+                trees = trees if isinstance(trees, list) else [] if trees is None else [trees]
+                by_message[of] = [message_of(tree) for tree in trees]
+            for message in by_message[of]:
+                if entry.output.event not in (None, getattr(message, "id", None)):
+                    continue
+                if not path:
+                    published.append((topic, message))
+                    continue
+                with suppress(AttributeError, LookupError):  # it does not have the value
+                    value = Message(message_type=entry.type, data=follow(message, path))
+                    published.append((topic, value))
+        return published
 
 
 @dataclass(frozen=True)

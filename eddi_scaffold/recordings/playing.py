@@ -15,8 +15,14 @@ from eddi_scaffold.kinds import InputType
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.recordings.csv_recording import Recording
-from eddi_scaffold.recordings.messages import Publications
-from eddi_scaffold.recordings.node import SECOND, GivenInput, Received, ReplayedNode, Step
+from eddi_scaffold.recordings.node import (
+    SECOND,
+    GivenInput,
+    Publications,
+    Received,
+    ReplayedNode,
+    Step,
+)
 
 MAX_STEPS = 10_000_000
 """Eleven days at 10 Hz, some ten minutes of work: who asks for more has a slip in t."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
@@ -15,19 +14,8 @@ from eddi_runtime.monitor import Value
 from eddi_scaffold.diagrams.plot import plot, tracks_of
 from eddi_scaffold.recordings.playing import Playback
 
-_PATIENCE_S = 2.0  # of work, after which progress is reported
 _ONLY_INPUTS = "unknown inputs"
 """The reason of a result that only lacks inputs: their names are more precise."""
-
-
-def with_progress(play: Playback, report: Callable[[str], None]) -> Playback:
-    """Report from time to time the progress of a long recording."""
-    reported = time.monotonic()
-    for monitor, step in play:
-        yield monitor, step
-        if time.monotonic() - reported >= _PATIENCE_S:
-            reported = time.monotonic()
-            report(f"{step.t:.0f} s of the recording are played")
 
 
 def steps(play: Playback) -> Iterator[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""From a source to what is shown: a line for each change, or a page that is kept new."""
+"""From a source to what is shown: lines of changes, a page kept new, numbers for other tools."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 
-from eddi_scaffold.watch.fleet import Change, FleetState, Snapshot
+from eddi_scaffold.watch.fleet import Change, FleetState, MonitorView, Snapshot, VerdictView
 from eddi_scaffold.watch.messages import Source
 
 Clock = Callable[[float], str]  # seconds of a source -> as a person reads them
@@ -79,3 +79,96 @@ def time_of_day(t: float) -> str:
 def seconds(t: float) -> str:
     """Return the time in a recording."""
     return f"{t:10.3f}"
+
+
+CONTENT_TYPE = "application/openmetrics-text; version=1.0.0; charset=utf-8"
+STATES = ("active", "not active", "unknown")  # from good to bad
+MAX_REASONS = 5  # of one guarantee; the label of all others is `other`
+_GUARANTEE = ("robot", "monitor", "guarantee")
+_MONITOR = ("robot", "monitor")
+_INPUT = ("robot", "monitor", "input")
+METRICS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "eddi_guarantee_state": ("1 for the state it is in.", (*_GUARANTEE, "state")),
+    "eddi_guarantee_state_seconds": ("Since it came into its state.", _GUARANTEE),
+    "eddi_guarantee_reason": ("Why it is not active.", (*_GUARANTEE, "reason")),
+    "eddi_monitor_silent": ("1 while it sends nothing.", _MONITOR),
+    "eddi_monitor_message_age_seconds": ("Since its last message.", _MONITOR),
+    "eddi_monitor_longest_step_seconds": ("Of its node so far.", _MONITOR),
+    "eddi_monitor_steps_total": ("Steps of its node.", _MONITOR),
+    "eddi_monitor_overruns_total": ("Steps left out by its node.", _MONITOR),
+    "eddi_input_age_seconds": ("Of its oldest message.", _INPUT),
+    "eddi_input_state": ("1 for the state it is in.", (*_INPUT, "state")),
+    "eddi_changes_total": ("Changes of guarantees that were seen.", ()),
+}
+"""Name -> what it is, and its labels; a counter ends in ``_total``."""
+Samples = dict[str, dict[tuple[str, ...], float]]
+"""Name of a metric -> values of its labels -> number."""
+
+
+def samples_of(snapshot: Snapshot) -> Samples:
+    """Return the metrics of a fleet.
+
+    Monitors of one name on one robot are one here: the worst of them counts.
+    """
+    samples: Samples = {name: {} for name in METRICS}
+
+    def worst(name: str, value: float, *labels: str) -> None:
+        samples[name][labels] = max(value, samples[name].get(labels, value))
+
+    verdicts: dict[tuple[str, ...], tuple[VerdictView, MonitorView]] = {}
+    for robot in snapshot.robots:
+        for monitor in robot.monitors:
+            key = (robot.name, monitor.name)
+            for verdict in monitor.verdicts:
+                known, _ = verdicts.setdefault((*key, verdict.id), (verdict, monitor))
+                if STATES.index(verdict.state) > STATES.index(known.state):
+                    verdicts[(*key, verdict.id)] = (verdict, monitor)
+            worst("eddi_monitor_silent", float(monitor.silent), *key)
+            worst("eddi_monitor_message_age_seconds", snapshot.t - monitor.last, *key)
+            report = monitor.report
+            if report is None:
+                continue
+            worst("eddi_monitor_longest_step_seconds", report.longest_step, *key)
+            worst("eddi_monitor_steps_total", report.steps, *key)
+            worst("eddi_monitor_overruns_total", report.overruns, *key)
+            for entry in report.inputs:
+                worst("eddi_input_state", 1.0, *key, entry.id, entry.state)
+                if entry.age is not None:
+                    age = entry.age + snapshot.t - report.t
+                    worst("eddi_input_age_seconds", age, *key, entry.id)
+    for labels, (verdict, monitor) in verdicts.items():
+        for state in STATES:
+            worst("eddi_guarantee_state", float(verdict.state == state), *labels, state)
+        worst("eddi_guarantee_state_seconds", snapshot.t - verdict.since, *labels)
+        for reason in _reasons(verdict, monitor):
+            worst("eddi_guarantee_reason", 1.0, *labels, reason)
+    samples["eddi_changes_total"][()] = snapshot.changed
+    return samples
+
+
+def _reasons(verdict: VerdictView, monitor: MonitorView) -> tuple[str, ...]:
+    """Return labels, so few that they can be kept: inputs of the model, or words."""
+    if verdict.state == "active":
+        return ()
+    if monitor.silent or any(reason.startswith("no message") for reason in verdict.reasons):
+        return ("silent",)
+    others = ("other",) if len(verdict.reasons) > MAX_REASONS else ()
+    return verdict.reasons[:MAX_REASONS] + others
+
+
+def metrics_text(snapshot: Snapshot) -> str:
+    """Return the metrics of a fleet in the format OpenMetrics."""
+    lines = []
+    for name, samples in samples_of(snapshot).items():
+        text, labels = METRICS[name]
+        family = name.removesuffix("_total")
+        lines.append(f"# HELP {family} {text}")
+        lines.append(f"# TYPE {family} {'gauge' if family == name else 'counter'}")
+        for values, number in samples.items():
+            pairs = (f'{k}="{_escaped(v)}"' for k, v in zip(labels, values, strict=True))
+            lines.append(f"{name}{{{','.join(pairs)}}} {float(number)}")
+    return "\n".join([*lines, "# EOF\n"])
+
+
+def _escaped(text: str) -> str:
+    return text.replace("\\", r"\\").replace("\n", r"\n").replace('"', r"\"")

@@ -14,8 +14,7 @@ from eddi_scaffold.config.topic_block import ConfigText, read_block
 from eddi_scaffold.connect.draft import Age, entry, recorded_age
 from eddi_scaffold.connect.keeping import Draft, text_of, with_draft
 from eddi_scaffold.connect.matching import decide
-from eddi_scaffold.connect.needs import InputNeed
-from eddi_scaffold.connect.topics import RobotTopic, TopicField, leaves
+from eddi_scaffold.connect.topics import InputNeed, RobotTopic, TopicField, leaves
 from eddi_scaffold.yaml_text.nodes import Items, Map, read_map
 from tests.cli.command import ROOT, Result, files_below, run
 from tests.hostile_texts import HOSTILE
@@ -151,7 +150,7 @@ EVIL = [one for one in HOSTILE if "\ud800" not in one]  # no file has that
 @pytest.mark.parametrize("evil", [*EVIL, 'x\n# connect: y\u2028EDDIOutputs: [] # "*&!', "TODO"])
 def test_names_of_models_stay_data(evil: str) -> None:
     topics = [RobotTopic(evil, f"b/{evil}", evil), RobotTopic("c", "std_msgs/Bool", evil)]
-    needs = [InputNeed(evil, "bool"), InputNeed("Charge", "float", evil, description=evil)]
+    needs = [InputNeed(evil, "bool"), InputNeed("Charge", "float", unit=evil, description=evil)]
     options = {evil or "-": {"map": {evil: evil}}, "later": {evil: {"bins": "TODO"}}}
     notes = {("later", evil, "bins"): evil}
     text = written("", replace(draft(needs, topics), options=options, notes=notes))

@@ -3,8 +3,7 @@
 import pytest
 
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
-from eddi_scaffold.connect.needs import InputNeed
-from eddi_scaffold.connect.topics import RobotTopic
+from eddi_scaffold.connect.topics import InputNeed, RobotTopic
 from eddi_scaffold.monitors.message_types import known_messages
 
 ROBOT = {
@@ -51,7 +50,7 @@ def decided(need: InputNeed, offers: list[Fulfilment] | None = None) -> Decision
 def test_what_is_clear_is_taken(
     id_: str, type_: str, unit: str | None, topic: str, key: str, text: str, given: str | None
 ) -> None:
-    decision = decided(InputNeed(id_, type_, unit))  # type: ignore[arg-type]
+    decision = decided(InputNeed(id_, type_, unit=unit))  # type: ignore[arg-type]
     best = decision.candidates[0]
     assert (decision.state, best.topic.id, best.access.key) == ("taken", topic, key)
     assert best.access.text.startswith(text)
@@ -61,16 +60,24 @@ def test_what_is_clear_is_taken(
 @pytest.mark.parametrize(
     ("need", "listed", "text"),
     [
-        (InputNeed("ArmJointPosition", "float", "rad"), "joints", "position[TODO]"),
-        (InputNeed("PoseUncertainty", "float", "m"), "pose", "SQRT(pose.pose.covariance[0])"),
-        (InputNeed("ObstacleDistance", "float", "m"), "scan_front", "MIN(scan_front.ranges[*], "),
-        (InputNeed("ClimbSpeed", "float", "m/s"), "odom", "twist.twist.linear.z"),
+        (InputNeed("ArmJointPosition", "float", unit="rad"), "joints", "position[TODO]"),
+        (InputNeed("PoseUncertainty", "float", unit="m"), "pose", "SQRT(pose.pose.covariance[0])"),
+        (
+            InputNeed("ObstacleDistance", "float", unit="m"),
+            "scan_front",
+            "MIN(scan_front",
+        ),
+        (InputNeed("ClimbSpeed", "float", unit="m/s"), "odom", "twist.twist.linear.z"),
         (InputNeed("RadioLink", "bool"), "link_lost", "data"),
         (InputNeed("MarkerVisible", "bool"), "gone", "TODO"),
         (InputNeed("FrontScanMatch", "float"), "scan_front", "ranges[TODO]"),  # no distance
         (InputNeed("PowerHolds", "bool"), "battery", "present"),  # says nothing of its power
-        (InputNeed("CpuHeat", "float", "degC"), "temperature", "temperature"),  # of the motor
-        (InputNeed("DistanceToRearGoal", "float", "m"), "scan_rear", "MIN(scan_rear.ranges[*], "),
+        (InputNeed("CpuHeat", "float", unit="degC"), "temperature", "temperature"),  # of the motor
+        (
+            InputNeed("DistanceToRearGoal", "float", unit="m"),
+            "scan_rear",
+            "MIN(scan_rear",
+        ),
         (InputNeed("Demand", "bool", is_demand=True), "guarantees", "guarantees[TODO].active"),
     ],
 )
@@ -85,19 +92,19 @@ def test_what_is_not_clear_is_left_to_a_person(need: InputNeed, listed: str, tex
     ("need", "topic", "why"),
     [
         (InputNeed("GripperClosed", "float"), "gripper_closed", "it is a bool"),
-        (InputNeed("MotorTemperature", "float", "Pa"), "temperature", "it is in degC"),
+        (InputNeed("MotorTemperature", "float", unit="Pa"), "temperature", "it is in degC"),
     ],
 )
 def test_the_nearest_miss_is_named(need: InputNeed, topic: str, why: str) -> None:
     (decision,) = decide([need], [one for one in TOPICS if one.id == topic], known_messages().get)
     missed = decision.missed
     assert missed is not None
-    assert (missed.topic.id, missed.why) == (topic, why)
+    assert (missed.topic.id, missed.reasons) == (topic, (why,))
 
 
 def test_the_nearest_thing_is_the_least_range_of_the_only_scanner() -> None:
     topics = [one for one in TOPICS if one.id != "scan_rear"]
-    (decision,) = decide([InputNeed("nearest", "float", "m")], topics, known_messages().get)
+    (decision,) = decide([InputNeed("nearest", "float", unit="m")], topics, known_messages().get)
     assert decision.state == "taken"
     assert decision.candidates[0].access.text == "MIN(scan_front.ranges[*], COVERAGE 0.9)"
 

@@ -7,8 +7,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
-from eddi_scaffold.connect.needs import InputNeed
-from eddi_scaffold.connect.topics import RobotTopic
+from eddi_scaffold.connect.topics import InputNeed, RobotTopic
 from eddi_scaffold.monitors.message_types import known_messages
 from tests.data_files import data_file
 

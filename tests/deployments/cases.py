@@ -10,7 +10,7 @@ import yaml
 
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.recordings.messages import Message, blank
+from eddi_scaffold.recordings.node import Message, blank
 from tests.deployments.world import Deployment, History, Member, Publisher, Sample, resolved
 
 

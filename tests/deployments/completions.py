@@ -9,8 +9,7 @@ from typing import Any
 from eddi_scaffold.config.field_paths import Attribute, ByKey, FieldPath, Index, Step, parse_field
 from eddi_scaffold.config.field_types import element
 from eddi_scaffold.monitors.message_types import known_messages
-from eddi_scaffold.recordings.messages import Message, blank
-from eddi_scaffold.recordings.node import Received
+from eddi_scaffold.recordings.node import Message, Received, blank
 from tests.deployments.drafts import Draft, Instance
 from tests.deployments.pool.readings import SOURCE_TYPES, Leaf
 from tests.deployments.pool.templates import Rank, Slot

@@ -12,9 +12,8 @@ from typing import Any, NamedTuple
 from eddi_runtime import Monitor as RunningMonitor
 
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.recordings.messages import Message
-from eddi_scaffold.recordings.messages import Publications as ProductPublisher
-from eddi_scaffold.recordings.node import GivenInput, Received, ReplayedNode
+from eddi_scaffold.recordings.node import GivenInput, Message, Received, ReplayedNode
+from eddi_scaffold.recordings.node import Publications as ProductPublisher
 from eddi_scaffold.recordings.playing import compiled
 
 
@@ -99,10 +98,13 @@ class Publisher(ProductPublisher):
                     return resolved(new + topic.removeprefix(old), namespace)
             return resolved(topic, namespace)
 
-        super().__init__(monitor, full)
+        super().__init__(monitor)
+        self.channels = [
+            one._replace(topic=full(one.publication.output.topic)) for one in self.channels
+        ]
         self.hazards = _hazards(monitor)
         claims = {"safeml": "status", "bayesian_network": "evidence"}.get(monitor.kind.name, "")
-        self._claiming = {one.topic for one in self.channels if one.of == claims}
+        self._claiming = {one.topic for one in self.channels if one.publication.of == claims}
 
     def messages(self, running: RunningMonitor, output: Any, wanted: Collection[str]) -> Any:
         """Return the messages of a step that somebody reads, and those that claim something."""

@@ -19,8 +19,7 @@ from eddi_scaffold.config.topic_block import read_block, rewritten
 from eddi_scaffold.connect.draft import entry
 from eddi_scaffold.connect.keeping import Draft, topics_of, with_draft
 from eddi_scaffold.connect.matching import decide
-from eddi_scaffold.connect.needs import InputNeed
-from eddi_scaffold.connect.topics import RobotTopic
+from eddi_scaffold.connect.topics import InputNeed, RobotTopic
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.deployments.drawing import picture_of_fleet
 from eddi_scaffold.deployments.fleet_checks import sites_of

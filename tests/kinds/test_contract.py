@@ -21,7 +21,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.recordings.messages import Publications
+from eddi_scaffold.recordings.node import Publications
 from eddi_scaffold.recordings.playing import compiled
 from tests.checkouts import HERE
 from tests.kinds.examples import EXAMPLES

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.identifiers import is_identifier
 from eddi_scaffold.common.problems import Place, Problem, has_errors
-from eddi_scaffold.mros.directory import load_models, load_system
+from eddi_scaffold.mros import load_models, load_system
 from eddi_scaffold.mros.topics import (
     Outputs,
     TopicEntry,

@@ -9,7 +9,7 @@ import pytest
 
 from eddi_scaffold.connect.robot import read_robot
 from eddi_scaffold.connect.rossystem import parse
-from eddi_scaffold.mros.directory import load_models, load_system
+from eddi_scaffold.mros import load_models, load_system
 from eddi_scaffold.mros.topics import simulator_outputs
 from eddi_scaffold.platforms.ros_packages import nodes_of, specs_of
 from tests.cli.command import EXAMPLE, run

@@ -15,7 +15,7 @@ from eddi_scaffold.common.claims import State
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
-from eddi_scaffold.recordings.messages import Publications, blank
+from eddi_scaffold.recordings.node import Publications, blank
 from eddi_scaffold.recordings.playing import PlayedMonitor, of_messages, play, step_rule
 from tests.recordings.full_form import full_form
 

@@ -7,8 +7,6 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from eddi_scaffold.recordings import results
-from eddi_scaffold.recordings.node import Step
 from tests.cli.command import ROOT, run
 
 RECORDED = {
@@ -65,12 +63,3 @@ def test_a_line_is_printed_when_and_only_when_a_verdict_changes() -> None:
         if before != now
     ]
     assert [line.split()[0] for line in printed("consert").splitlines()] == changed
-
-
-def test_a_long_recording_tells_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter(range(100))  # a second goes by whenever somebody looks
-    monkeypatch.setattr(results.time, "monotonic", lambda: next(clock))
-    frames = [(None, Step(float(t), {}, [])) for t in range(5)]
-    said: list[str] = []
-    assert list(results.with_progress(iter(frames), said.append)) == frames  # type: ignore[arg-type]
-    assert said == [f"{t} s of the recording are played" for t in (1, 3)]

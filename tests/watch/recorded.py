@@ -41,7 +41,7 @@ def _warehouse() -> Iterator[Published]:
     tape, _ = read_bag(ROBOT / "shift.bag", monitors, published(monitors))
     for part, frame in play(parts, tape):
         assert part.publisher is not None
-        types = {one.topic: one.type for one in part.publisher.channels}
+        types = {one.topic: one.publication.type for one in part.publisher.channels}
         for topic, content in part.publisher.messages(part.running, frame.output, types):
             yield Published(frame.t, topic, part.name, types[topic], content)
 

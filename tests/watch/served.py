@@ -9,8 +9,7 @@ from eddi_scaffold.cli.watch import pictures_of
 from eddi_scaffold.watch.fleet import FleetState
 from eddi_scaffold.watch.following import seconds
 from eddi_scaffold.watch.messages import DIAGNOSTICS, DIAGNOSTICS_TOPIC, Message
-from eddi_scaffold.watch.page import view_of
-from eddi_scaffold.watch.page_server import Feed, open_server
+from eddi_scaffold.watch.page import Feed, View, open_server
 from tests.watch.recorded import ROBOT, warehouse
 
 
@@ -20,7 +19,7 @@ class Fleet:
     def __init__(self) -> None:
         self.state = FleetState()
         self.now = 0.0
-        self.feed = Feed(view_of(self.state.snapshot(0.0), seconds))
+        self.feed = Feed(View(self.state.snapshot(0.0), seconds))
 
     def play(self, until: float, robots: tuple[str, ...] = ("/robot1", "/robot2")) -> None:
         for one in warehouse():
@@ -37,7 +36,7 @@ class Fleet:
 
     def show(self) -> None:
         self.state.look(self.now)
-        self.feed.show(view_of(self.state.snapshot(self.now), seconds))
+        self.feed.show(View(self.state.snapshot(self.now), seconds))
 
 
 def diagnostics(t: float, node: str, **values: str) -> Message:

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
 
+from eddi_scaffold.watch.following import MAX_REASONS, samples_of
 from eddi_scaffold.watch.messages import Message
-from eddi_scaffold.watch.metrics import MAX_REASONS, samples_of
 from tests.cli.command import ROOT
 from tests.watch.served import Fleet, diagnostics, serving
 from tests.watch.test_watch_page import ask
@@ -90,7 +90,7 @@ def test_it_is_openmetrics(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> Non
         states = parsed["eddi_guarantee_state"].samples
         assert attack.replace("\n", " ") in {one.labels["guarantee"] for one in states}
         assert ask(port, "/metrics", Host="prometheus.example:80")[0] == 403
-        monkeypatch.setattr("eddi_scaffold.watch.page_server._OLD_S", -1.0)
+        monkeypatch.setattr("eddi_scaffold.watch.page._OLD_S", -1.0)
         assert ask(port, "/metrics")[0] == 503
 
 
