@@ -48,6 +48,8 @@ def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
 Field = Union[str, bool, int, float, Sequence["Field"], "Tree"]
 Tree = Tuple[str, Mapping[str, Field]]
 """A message without ROS: (name, field -> str, bool, int, float, list or Tree)."""
+Trees = Union[Tree, "list[Tree]", None]
+"""What one step gives: a message, several, or none."""
 
 Json = Union[str, bool, int, float, None, Sequence["Json"], Mapping[str, "Json"]]
 """What ``json`` can write."""
@@ -115,7 +117,7 @@ class Monitor(Protocol[Output]):
         """Return the verdicts in an output, always the same names; no number that drifts."""
         return self.series(output)
 
-    def message(self, output: object) -> Tree | list[Tree] | None:
+    def message(self, output: object) -> Trees:
         """Return what ``execute_step`` gave as checked message trees, None for nothing.
 
         It never raises, whatever a person's code has made of the output.

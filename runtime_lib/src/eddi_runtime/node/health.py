@@ -10,8 +10,6 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence
 from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Tree, __version__
 from ..plain_values import is_nan, one_line, read
-from .loop import LOG, Waker
-from .receipts import Receipt
 from .report import (
     FRESH,
     INVALID,
@@ -28,6 +26,8 @@ from .report import (
     level_of,
     report,
 )
+from .start import LOG, Waker
+from .topics import Receipt
 
 PERIOD_S = 1.0  # between two reports without a new level
 _CALM_S = 0.1  # between two reports, so that a level that flaps does not flood the topic

@@ -9,8 +9,8 @@ from __future__ import annotations
 import threading
 from typing import Any, Callable
 
-from .loop import LOG, Ending, Waker
 from .node import Node
+from .start import LOG, Ending, Waker
 
 _STEP_S = 5.0  # a step that takes longer is left behind when the node is deactivated
 

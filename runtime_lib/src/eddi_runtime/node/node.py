@@ -15,12 +15,22 @@ from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Steps, __version__
 from ..plain_values import one_line
 from .health import Diagnostics, Health, Status
-from .loop import LOG, Ending, Schedule, Waker
-from .outputs import Converter, MessageError, Output, Publications, Publish, check_outputs, each
 from .pasted import PASTED, understood
-from .receipts import Input, Receipt, Receipts, Silence
 from .report import GraphFact
-from .start import STARTUP_GRACE_S, Settings
+from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, Waker
+from .topics import (
+    Converter,
+    Input,
+    MessageError,
+    Output,
+    Publications,
+    Publish,
+    Receipt,
+    Receipts,
+    Silence,
+    check_outputs,
+    each,
+)
 
 if TYPE_CHECKING:  # travels where a monitor is one of a fleet
     from ..peers import Fleet

@@ -1,8 +1,7 @@
 """SafeML: does the running window of inputs still look like its reference? (SESAME D7.2 3.4)."""
 
-from .arrays import Table
+from .arrays import Axes, Table
 from .monitor import OneTest, SafeML, SafeMLResult
-from .samples import Axes
 from .statistics import Interpolated, Kolmogorov
 
 FORMAT = 1

@@ -11,9 +11,8 @@ from ..history import Messages
 from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Monitor, Standing, Tree, finite
 from ..plain_values import Absent, read
-from .arrays import NUMPY, Array, Numbers, array_of, torch_or_numpy
+from .arrays import NUMPY, Array, Axes, Numbers, array_of, take, torch_or_numpy
 from .comparison import Comparison, Window
-from .samples import Axes, take
 from .statistics import Tail
 
 FILLING = "filling"

@@ -31,9 +31,8 @@ from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from ...node.loop import LOG
 from ...node.publications import reading_qos, writing_qos
-from ...node.start import StartError
+from ...node.start import LOG, StartError
 from .messages import message_classes
 
 Receive = Callable[[Any, bool], None]

@@ -12,7 +12,7 @@ from typing import Any, Callable, Mapping
 
 from cyclonedds.idl import make_idl_struct, types
 
-from ...node.outputs import Converter, MessageClasses
+from ...node.topics import Converter, MessageClasses
 
 _PRIMITIVES: Mapping[str, tuple[Any, Callable[[], object]]] = {
     "bool": (bool, bool),

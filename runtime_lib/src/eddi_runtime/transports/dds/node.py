@@ -16,13 +16,11 @@ from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
 from ...node.health import Status, diagnostics_tree
-from ...node.loop import LOG
 from ...node.node import Node
-from ...node.outputs import MessageError, Output, Publish
 from ...node.publications import fault
-from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
-from ...node.start import Settings, StartError, end_at_signals, settings, write_to_stderr
+from ...node.start import LOG, Settings, StartError, end_at_signals, settings, write_to_stderr
+from ...node.topics import MAX_QUEUED, Input, MessageError, Output, Publish, Topic
 from .graph import Graph, Publication, reading, writing
 from .messages import OWN, Unreadable, converter
 

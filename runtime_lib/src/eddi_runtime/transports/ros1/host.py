@@ -21,14 +21,12 @@ from ... import ModelError
 from ...inputs import EDDIInputBase
 from ...monitor import Steps
 from ...node.health import Diagnostics, Status
-from ...node.loop import LOG, Waker
-from ...node.outputs import MessageError
 from ...node.report import ERROR, Report
-from ...node.start import StartError, end_at_signals
+from ...node.start import LOG, StartError, Waker, end_at_signals
+from ...node.topics import MessageError
 from ...plain_values import one_line
 from .node import MonitorNode, diagnostics_publisher, start_log
-from .process import RosEnding, node_name, options_of
-from .watchdog import TypeRefusals, Watchdog, watch
+from .process import RosEnding, TypeRefusals, Watchdog, node_name, options_of, watch
 
 
 class Host:

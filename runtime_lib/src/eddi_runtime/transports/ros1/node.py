@@ -19,14 +19,31 @@ import rospy.impl.paramserver
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import ModelError, Steps
 from ...node.health import Status, diagnostics_tree
-from ...node.loop import LOG
 from ...node.node import Node
-from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
-from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input, Receipts, Topic
 from ...node.report import GraphFact
-from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
-from .process import RosEnding, node_name, options_of
-from .watchdog import LOST, TypeRefusals, Watchdog, standing, watch
+from ...node.start import LOG, Settings, StartError, end_at_signals, write_to_stderr
+from ...node.topics import (
+    DEFAULT_BUFFER_BYTES,
+    MAX_QUEUED,
+    Converter,
+    Input,
+    MessageClasses,
+    MessageError,
+    Output,
+    Publish,
+    Receipts,
+    Topic,
+)
+from .process import (
+    LOST,
+    RosEnding,
+    TypeRefusals,
+    Watchdog,
+    node_name,
+    options_of,
+    standing,
+    watch,
+)
 
 _ROSOUT_SWITCH = "/rosout_disable_topics_generation"
 _MAX_PUBLISHERS = 32

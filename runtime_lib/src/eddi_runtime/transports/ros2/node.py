@@ -20,11 +20,19 @@ from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
 from ...node.health import Status, diagnostics_tree
 from ...node.node import Node
-from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
 from ...node.publications import fault
-from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
+from ...node.topics import (
+    MAX_QUEUED,
+    Converter,
+    Input,
+    MessageClasses,
+    MessageError,
+    Output,
+    Publish,
+    Topic,
+)
 from .process import Process, deadline, declared_settings, keeps, reading, refused, writing
 
 _SPELT = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "byte"}

@@ -23,9 +23,8 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
-from ...node.loop import LOG, Ending
 from ...node.publications import reading_qos, writing_qos
-from ...node.start import FREQUENCIES, Settings, StartError, settings
+from ...node.start import FREQUENCIES, LOG, Ending, Settings, StartError, settings
 from ...plain_values import one_line
 
 try:  # since Iron
