@@ -108,46 +108,37 @@ class ConSert(Monitor[Rows]):
         }
 
     @overload
-    def explain(
-        self, guarantee_id: None = None, *, loss_sets: bool = False
-    ) -> tuple[Explanation, ...]: ...
+    def explain(self, guarantee_id: None = None) -> tuple[Explanation, ...]: ...
 
     @overload
-    def explain(self, guarantee_id: str, *, loss_sets: bool = False) -> Explanation: ...
+    def explain(self, guarantee_id: str) -> Explanation: ...
 
-    def explain(
-        self, guarantee_id: str | None = None, *, loss_sets: bool = False
-    ) -> Explanation | tuple[Explanation, ...]:
+    def explain(self, guarantee_id: str | None = None) -> Explanation | tuple[Explanation, ...]:
         """Return why a guarantee, by either id, is active or not; None: all of them.
 
-        ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee. An
-        unknown id is a LookupError that names those there are.
+        An unknown id is a LookupError that names those there are.
         """
         sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
-            of = self.guarantees
-            return tuple([self._explain(one, sets, reasons, loss_sets=loss_sets) for one in of])
+            return tuple([self._explain(one, sets, reasons) for one in self.guarantees])
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
-        return self._explain(self._named[guarantee_id], sets, reasons, loss_sets=loss_sets)
+        return self._explain(self._named[guarantee_id], sets, reasons)
 
     def _explain(
-        self, one: Guarantee, sets: Sets, reasons: Mapping[str, Reason], *, loss_sets: bool
+        self, guarantee: Guarantee, sets: Sets, reasons: Mapping[str, Reason]
     ) -> Explanation:
-        value, (missing, truncated) = sets.value(one), sets.missing(one)
-        active = value == TRUE
-        losses, more = sets.loss_sets(one) if active and loss_sets else ([], False)
+        value, (missing, truncated) = sets.value(guarantee), sets.missing(guarantee)
         return Explanation(
-            guarantee=one.id,
-            active=active,
+            guarantee=guarantee.id,
+            active=value == TRUE,
             verdict=NAMES[value],
             missing=tuple(missing),
-            single_losses=sets.single_losses(one) if active else (),
-            loss_sets=tuple(losses),
+            single_losses=sets.single_losses(guarantee) if value == TRUE else (),
             reasons={name: reasons[name] for group in missing for name in group},
-            truncated=truncated or more,
-            robots=self._robots(one),
+            truncated=truncated,
+            robots=self._robots(guarantee),
         )
 
     def robots(self, guarantee_id: str) -> tuple[str, ...]:
