@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
-
-from eddi_runtime.testing import inputs
 
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
@@ -22,4 +21,4 @@ def monitor_of(
     configured = replace(model, options=options or ConSertOptions())
     bound = tuple(bound_input(one.id) for one in model.inputs())
     made = BoundModel(configured, Declaration(model.name, DIGEST, bound)).monitor(limit=limit)
-    return made, lambda values: inputs(made, values)
+    return made, lambda values: SimpleNamespace(**values)

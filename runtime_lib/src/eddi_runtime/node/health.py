@@ -7,7 +7,7 @@ import time
 from collections import deque
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from ..inputs import EDDIInputBase
+from ..inputs import UNKNOWN_AGE, EDDIInputBase
 from ..monitor import Monitor, Tree, __version__
 from ..plain_values import is_nan, one_line, read
 from .report import (
@@ -125,13 +125,11 @@ class Health:
             state, reason = (NEVER, "") if known is None else (known.state, known.reason)
             present = [receipts[name] for name in spec.requires if name in receipts]
             if spec.id in faults and state in (FRESH, INVALID):
-                state, reason = (
-                    INVALID,
-                    faults[spec.id] if state == FRESH else reason,
-                )
+                reason = faults[spec.id] if state == FRESH else reason
+                state = INVALID
             elif state == FRESH and is_nan(read(self._eddi_input, spec.attribute, spec.id)):
                 state, reason = INVALID, "the value is NaN"
-            elif state == FRESH and any(receipt.latched for receipt in present):
+            elif state == FRESH and any(one.age == UNKNOWN_AGE for one in present):
                 state = LATCHED
             elif state == NEVER and waiting:
                 state = WAITING
@@ -226,7 +224,6 @@ class Diagnostics:
         return changed
 
     def start(self) -> None:
-        """Begin to report."""
         threading.Thread(target=self._run, name="diagnostics", daemon=True).start()
 
     def stop(self) -> None:

@@ -30,7 +30,6 @@ class SourceFact(NamedTuple):
     reason: str = ""  # what the transport knows of it, else empty
 
     def explained(self, text: str) -> str:
-        """Return a text with what the transport knows."""
         return f"{text} ({self.reason})" if self.reason else text
 
 
@@ -110,9 +109,13 @@ def report(
     identity: Mapping[str, str], inputs: Sequence[InputFact], monitor: MonitorFact, node: NodeFact
 ) -> Report:
     """Put the facts into one status; ``identity`` are pairs that never change."""
-    findings = [*_of_inputs(inputs, node.graph), *_of_node(node)]
-    findings += [(WARN, f"accepted: {text}") for text in monitor.accepted]
-    findings += [(WARN, text) for text in monitor.doubts]
+    findings = [*_of_inputs(inputs, node.graph)]
+    findings += [(ERROR, node.error)] if node.error else []
+    if node.silent_for is not None:
+        findings.append((ERROR, f"no step for {node.silent_for:.1f} s"))
+    warnings = [f"{node.recent_overruns} steps left out"] if node.recent_overruns else []
+    warnings += [*node.graph.warnings, *(f"accepted: {text}" for text in monitor.accepted)]
+    findings += [(WARN, text) for text in (*warnings, *monitor.doubts)]
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     by_id = {fact.id: fact for fact in inputs}
     values = list(identity.items())
@@ -176,16 +179,6 @@ def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[tuple[
             for topic in mistaken:
                 wrong.pop(topic, None)
     yield from ((ERROR, f"{topic}: {text}") for topic, text in wrong.items())
-
-
-def _of_node(node: NodeFact) -> Iterator[tuple[int, str]]:
-    if node.error:
-        yield ERROR, node.error
-    if node.silent_for is not None:
-        yield ERROR, f"no step for {node.silent_for:.1f} s"
-    if node.recent_overruns:
-        yield WARN, f"{node.recent_overruns} steps left out"
-    yield from ((WARN, text) for text in node.graph.warnings)
 
 
 def _input_values(fact: InputFact) -> Iterator[tuple[str, str]]:

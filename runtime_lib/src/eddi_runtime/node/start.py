@@ -127,19 +127,21 @@ def settings(
 
     ``choices``: parameter that only the transport has -> its words, the default first.
     """
-    default = Settings(frequency, startup_grace=startup_grace)
-    values: dict[str, Any] = {name: given.get(name, getattr(default, name)) for name in _RULES}
-    words: dict[str, Any] = {name: given.get(name, known[0]) for name, known in choices.items()}
-    expected = {name: text for name, (text, fits) in _RULES.items() if not fits(values[name])}
-    unknown = [name for name, word in words.items() if word not in choices[name]]
-    expected.update((name, " or ".join(choices[name])) for name in unknown)
-    both = {**values, **words}
-    wrong = [f"parameter ~{n}: {text} expected, got {both[n]!r}" for n, text in expected.items()]
+    rules = {**_RULES}
+    defaults = Settings(frequency, startup_grace=startup_grace)._asdict()
+    for name, words in choices.items():
+        rules[name], defaults[name] = (" or ".join(words), words.__contains__), words[0]
+    values: dict[str, Any] = {name: given.get(name, defaults[name]) for name in rules}
+    wrong = [
+        f"parameter ~{name}: {text} expected, got {values[name]!r}"
+        for name, (text, fits) in rules.items()
+        if not fits(values[name])
+    ]
     if wrong:
         raise StartError("; ".join(wrong))
     for name in ("frequency", "watchdog_period", "startup_grace"):
         values[name] = float(values[name])
-    return Settings(**values, words=words)
+    return Settings(**{k: values[k] for k in _RULES}, words={k: values[k] for k in choices})
 
 
 class Waker:
@@ -277,14 +279,12 @@ class Ending:
         threading.Thread(target=self._guard, name="end guard", daemon=True).start()
 
     def begin(self) -> None:
-        """Begin to end; may run in a signal handler."""
         self.begun = True
         self._waker.wake()
         for stop in self._stops:
             stop()
 
     def wait(self) -> None:
-        """Wait until all is logged; the guard limits the wait."""
         LOG.flush(_FLUSH_S)
 
     def _guard(self) -> None:

@@ -14,7 +14,6 @@ from contextlib import suppress
 from types import ModuleType
 from typing import Any, Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
-from ..inputs import UNKNOWN_AGE
 from ..monitor import Tree, Trees
 from ..plain_values import Step, follow, plain
 from .report import GraphFact
@@ -47,11 +46,6 @@ class Receipt(NamedTuple):
     # how old it was then, in seconds; ``UNKNOWN_AGE`` when it came on connecting from a latching
     # publisher, and no header says when it was made
     age: float = 0.0
-
-    @property
-    def latched(self) -> bool:
-        """Whether it can be of any age."""
-        return self.age == UNKNOWN_AGE
 
     def age_at(self, now: float) -> float:
         """Return how old the message is, in seconds."""
@@ -90,7 +84,6 @@ class Receipts:
             self._arrived()
 
     def latest(self) -> dict[str, Receipt]:
-        """Return the last message of every input that has one, at one instant."""
         with self._lock:
             return dict(self._latest)
 
@@ -196,7 +189,7 @@ class Converter:
     """Turns ``("Name", {field: value})`` into messages of one message package."""
 
     def __init__(self, classes: MessageClasses) -> None:
-        self._classes = classes
+        self.classes = classes
         self._plans: dict[str, tuple[Any, dict[str, str], bool]] = {}
 
     def message(self, tree: Tree) -> Any:
@@ -221,7 +214,7 @@ class Converter:
             exact = type(given) is _EXACT.get(kind)  # as nearly all are
             setattr(built, field, given if exact else self._value(name, field, kind, given))
         if has_header:
-            built.header.stamp = self._classes.stamp()
+            built.header.stamp = self.classes.stamp()
         return built
 
     def messages(self, trees: Trees) -> object:
@@ -237,16 +230,12 @@ class Converter:
             raise MessageError(f"the monitor gives no message {name!r} in addition to its result")
         return self.messages(make())
 
-    def type_name(self, message: object) -> str:
-        """Return ``package/Name`` of a message or of its class."""
-        return self._classes.type_name(message)
-
     def _plan(self, name: str) -> tuple[Any, dict[str, str], bool]:
         """Return the class of a message, its fields without a header, and whether it has one."""
-        cls = getattr(self._classes.module, name, None)
+        cls = getattr(self.classes.module, name, None)
         if cls is None:
-            raise MessageError(f"message {name} is not in {self._classes.module.__name__}")
-        kinds = dict(self._classes.fields(cls))
+            raise MessageError(f"message {name} is not in {self.classes.module.__name__}")
+        kinds = dict(self.classes.fields(cls))
         has_header = kinds.get("header") in ("Header", "std_msgs/Header")
         if has_header:
             del kinds["header"]
@@ -265,7 +254,7 @@ class Converter:
                 return found
         elif isinstance(value, tuple) and len(value) == 2:
             built = self.message(value)
-            if self.type_name(built) == kind:
+            if self.classes.type_name(built) == kind:
                 return built
         expected = "str" if kind == "string" else kind
         given = f"{type(value).__name__} {value!r}"
@@ -359,8 +348,9 @@ def check_outputs(
         for one in each(built):
             sent = picked(one, channel)
             if not isinstance(sent, channel.type):
-                declared, made = converter.type_name(channel.type), converter.type_name(sent)
-                raise MessageError(f"{channel.topic} carries {declared}, the monitor makes {made}")
+                types = map(converter.classes.type_name, (channel.type, sent))
+                text = "{} carries {}, the monitor makes {}"
+                raise MessageError(text.format(channel.topic, *types))
 
 
 def each(messages: object) -> list[object]:
