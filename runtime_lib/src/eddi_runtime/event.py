@@ -82,7 +82,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         ]
 
     def read(self, source: object) -> tuple[object, ...]:
-        """Return the value of each input, None where it cannot be read; never raises."""
         raws = [read(source, spec.attribute, spec.id) for spec in self.inputs]
         values = [None if type(raw) is Absent else raw for raw in raws]
         factors = [spec.factor for spec in self.inputs]
@@ -94,7 +93,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return value
 
     def stamp(self, t: int, input_id: str) -> int:
-        """Return when the sample of an input was received."""
         try:
             return stamp(t, self._source.states[input_id].age + self._waited)
         except Exception:  # noqa: BLE001 - any object may be given as input

@@ -137,7 +137,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return [one.as_json() for one in output] or None
 
     def series(self, output: Output) -> Named:
-        """Return ``Node=state`` -> probability, and each threshold."""
         found: Named = {f"{title}={name}": None for title, names in self._given for name in names}
         for node in (node for one in output for node in one.output_nodes):
             found.update((f"{node.title}={one.name}", one.value) for one in node.outcomes)
@@ -167,7 +166,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return (*problems, *self._output_faults)
 
     def status_name(self) -> str:
-        """Return the status of the last step in a word: why there is no output, for instance."""
         return out.STATUS_NAMES[self.status()]
 
     def status(self) -> int:
@@ -258,7 +256,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return ""
 
     def engine_for(self, outputs: set[int], observed: set[int]) -> Engine:
-        """Return inference for some nodes, or raise NotForeseenError."""
         reason = self._not_foreseen(outputs, observed)
         if not reason:
             return Engine(self.nodes, self.foreseen)

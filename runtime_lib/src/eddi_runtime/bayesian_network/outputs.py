@@ -66,7 +66,6 @@ class _Record:
         return vars(self) == vars(other) if type(other) is type(self) else NotImplemented
 
     def as_json(self) -> dict[str, Json]:
-        """Return the values by name, as ``json`` can write them."""
         return {
             name: [one.as_json() for one in value] if isinstance(value, list) else value
             for name, value in vars(self).items()
@@ -112,7 +111,6 @@ class Claim(NamedTuple):
         return low if self.low == self.high else f"{low} to {high}"
 
     def text(self) -> str:
-        """Return the result for people."""
         active, bounds = "active" if self.active else "not active", self.bounds(".3g")
         reason = f" ({self.reason})" if self.reason else ""
         return f"{self.id}: {active}{', ' if bounds else ''}{bounds}{reason}"

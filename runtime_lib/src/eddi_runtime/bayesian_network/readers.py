@@ -71,7 +71,6 @@ class Discretiser:
         self.read = self._quick()
 
     def absent(self, now: float) -> int:
-        """Return the state when there is no value."""
         return self._default
 
     def known(self, raw: object, reading: Reading) -> tuple[bool, str]:

@@ -64,11 +64,9 @@ class ConSert(Monitor[Rows]):
         return tuple([sets.value(guarantee) == TRUE for guarantee in self.guarantees])
 
     def read(self, source: object) -> tuple[object, ...]:
-        """Return the value of each input, ``Absent`` where it cannot be read; never raises."""
         return tuple([read(source, spec.attribute, spec.id) for spec in self.inputs])
 
     def judge(self, leaf: int, raw: object) -> int:
-        """Return the truth value of a raw value."""
         return self.leaves[leaf].judge(raw)[0]
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
@@ -142,7 +140,6 @@ class ConSert(Monitor[Rows]):
         )
 
     def robots(self, guarantee_id: str) -> tuple[str, ...]:
-        """Return the other robots on whose words a guarantee may rest after the last step."""
         found = self._robots(self._named[guarantee_id]).values()
         return tuple(sorted({robot for robots in found for robot in robots}))
 

@@ -45,7 +45,6 @@ class Graph:
         self.position = {k: position for position, k in enumerate(self.by_bit)}
 
     def evaluate(self, leaf_values: Sequence[int]) -> list[int]:
-        """Return the truth value of every node by number, from those of the leaves."""
         values = list(leaf_values)
         for is_and, inputs in self.nodes:
             if is_and:
@@ -55,7 +54,6 @@ class Graph:
         return values
 
     def sets(self, leaf_values: Sequence[int]) -> Sets:
-        """Return what follows of the guarantees in a state of the inputs."""
         return Search(self, leaf_values)
 
 
@@ -159,13 +157,11 @@ class Search(Sets):
         return tuple(ids)
 
     def _either(self, one: _Family, other: _Family) -> _Family:
-        """Return the minimal sets of an Or."""
         if not one.sets or not other.sets:
             return other if not one.sets else one
         return self._minimal([*one.sets, *other.sets], one.truncated or other.truncated)
 
     def _both(self, one: _Family, other: _Family) -> _Family:
-        """Return the minimal sets of an And."""
         if _ALREADY in (one, other):
             return other if one == _ALREADY else one
         if not one.sets or not other.sets:

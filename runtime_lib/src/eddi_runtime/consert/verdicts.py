@@ -31,7 +31,6 @@ class Leaf:
     _covers: Callable[[Any], Optional[bool]]
 
     def judge(self, raw: object) -> Judgement:
-        """Return the truth value of a raw input value and why; never raises."""
         if raw is None or raw is ABSENT:
             return UNKNOWN, MISSING
         try:
@@ -46,7 +45,6 @@ class Leaf:
         return (TRUE, GOOD) if covered else (FALSE, NOT_COVERED)
 
     def describe(self, raw: object, why: str) -> str:
-        """Return one line for people on why the leaf is not TRUE."""
         if why == MISSING:
             return "no value"
         if why == NAN:
@@ -133,7 +131,6 @@ class Explanation(NamedTuple):
     robots: Mapping[str, tuple[str, ...]] = {}
 
     def text(self) -> str:
-        """Return the explanation as lines for people."""
         if self.active:
             losses = ", ".join(map(self._named, self.single_losses)) or "no single input"
             others = sorted(set(self.robots) - set(self.single_losses))
@@ -177,7 +174,6 @@ class Sets:
         self._missing: dict[str, tuple[list[Group], bool]] = {}
 
     def value(self, one: Guarantee) -> int:
-        """Return the truth value of a guarantee."""
         if any(map(self._true.issuperset, one.paths)):
             return TRUE
         return UNKNOWN if any(map(self._not_false.issuperset, one.paths)) else FALSE

@@ -31,7 +31,6 @@ class Expression(Conditions):
         self.reset()
 
     def reset(self) -> None:
-        """Forget everything of former steps."""
         self.reason = ""
         self.forget_messages()
         self.restart()
@@ -123,7 +122,6 @@ def _told(message: object, known: Any) -> object:
 
 
 def _is_measurement(message: object, value: Any, check: Check) -> bool:
-    """Return whether a message marks a value of it as measured."""
     if check[0] == "unless":
         return bool(follow(message, check[1]) != check[2])
     low, high = (follow(message, path) for path in check[1:])

@@ -66,7 +66,6 @@ class Chain:
         self.reset()
 
     def look(self, belief: Belief, at: int) -> Look:
-        """Return what lies ahead of a belief, not divided by its weight."""
         failed, alive, lives = zip(*self.rows(at))
         mean = sum([w * life for w, life in zip(belief, lives) if life < math.inf])
         endless = sum([w for w, life in zip(belief, lives) if life == math.inf])
@@ -78,28 +77,22 @@ class Chain:
 
     @property
     def belief(self) -> list[float]:
-        """The distribution over the states now."""
         whole = sum(belief := self.weights())
         return [weight / whole for weight in belief]
 
     def weights(self) -> Belief:
-        """Return the belief as it is, of any weight."""
         return self._belief
 
     def believe(self, belief: Belief) -> None:
-        """Take another belief over the states."""
         self._belief: Belief = belief
 
     def sure_of(self, state: int) -> list[float]:
-        """Return the belief in one state alone."""
         return [float(one == state) for one in range(self.states)]
 
     def reset(self) -> None:
-        """Return to the start of the mission."""
         self.believe(self.first)
 
     def after(self, beliefs: list[Belief], quanta: int) -> list[Belief]:
-        """Return several beliefs when time has passed unobserved."""
         if quanta == 1:
             return [self.quantum(belief) for belief in beliefs]
         self._powers = self._powers or [
@@ -127,7 +120,6 @@ class Chain:
         return Estimate(*found, seen.unknown, reason)
 
     def step(self, moment: Moment, seen: Seen) -> Estimate:
-        """Let time pass, keep the states that are consistent with the inputs, look ahead."""
         at = moment[4]
         failed, alive, mean, endless, weight = self.moved(moment[0], at, seen)
         reason = ""

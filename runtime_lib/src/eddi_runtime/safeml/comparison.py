@@ -70,7 +70,6 @@ class Window:
         self.clear()
 
     def clear(self) -> None:
-        """Forget all values."""
         self.filled = 0
         self._at = 0
         self._ties = [0] * self._comparison.m  # with the reference, per column
@@ -80,7 +79,6 @@ class Window:
 
     @property
     def is_full(self) -> bool:
-        """Whether a statistic exists."""
         return self.filled == self._comparison.m
 
     def push(self, sample: Array) -> None:
@@ -104,7 +102,6 @@ class Window:
         self._equal += count(values == values[:, at : at + 1]) - self._comparison.tests
 
     def statistics(self) -> Array:
-        """Return the statistic of each test (numpy); the window is full."""
         comparison = self._comparison
         counts = comparison.counts(self._values) if self._equal else None
         upper = self._upper if self._tied else None

@@ -53,7 +53,6 @@ class OneTest(NamedTuple):
     weights: tuple[tuple[int, float], ...] = ()
 
     def __str__(self) -> str:
-        """Return one line for people."""
         relation = ">=" if self.violated else "<"
         features = ", ".join(f"feature {k} ({weight:+.2f})" for k, weight in self.weights)
         mostly = f"; mostly {features}" if features else ""

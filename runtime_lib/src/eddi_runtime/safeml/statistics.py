@@ -34,7 +34,6 @@ class KolmogorovSmirnov:
         self._ascending = backend.array(self._n * np.arange(1, m + 1, dtype=np.int64))
 
     def __call__(self, lower: Array, upper: Array | None, counts: Array | None) -> Array:
-        """Return n m D (..., K)."""
         backend = self._backend
         gaps = self._ascending - self._m * backend.sort(lower)
         above = gaps if upper is None else self._ascending - self._m * backend.sort(upper)
@@ -63,7 +62,6 @@ class CramerVonMises:
         self._b = backend.array(np.arange(1, m + 1, dtype=np.int64))
 
     def __call__(self, lower: Array, upper: Array | None, counts: Array | None) -> Array:
-        """Return T (..., K) in float64."""
         n, m = self._n, self._m
         low = self._backend.sort(lower)
         high = low if upper is None else self._backend.sort(upper)
@@ -109,7 +107,6 @@ class AndersonDarling:
         self._below, self._size = backend.array(below), backend.array(size)
 
     def __call__(self, lower: Array, upper: Array | None, counts: Array | None) -> Array:
-        """Return A2 (..., K) in float64."""
         low = self._backend.sort(lower)
         high = low if upper is None else self._backend.sort(upper)
         if upper is None and counts is None:
@@ -203,7 +200,6 @@ class Kolmogorov:
         self._scale = math.sqrt(n * m / (n + m))
 
     def __call__(self, value: float) -> float:
-        """Return the probability of at least this distance."""
         x = value * self._scale
         if x < 0.2:
             return 1.0  # the series converges slowly there, and is 1 to 12 digits

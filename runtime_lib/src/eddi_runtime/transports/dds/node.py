@@ -40,11 +40,9 @@ class Arguments(NamedTuple):
 
     @property
     def full_name(self) -> str:
-        """Return the node's name with its namespace."""
         return f"{self.namespace.rstrip('/')}/{self.name}"
 
     def topic(self, name: str) -> str:
-        """Return the full name of a topic."""
         full = name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}"
         if name.startswith("~/"):
             full = f"{self.full_name}/{name[2:]}"
@@ -183,7 +181,6 @@ class MonitorNode(Node):
         return Topic(name, expected, {ros_type(one.type) for one in found}, age, why)
 
     def run(self) -> int:
-        """Join the graph (StartError) and step until the end; return the exit status."""
         domain = domain_id(os.environ.get("ROS_DOMAIN_ID") or "0")
         given, distro = self._given, self.options.words["ros_distro"]
         partition = str(given.parameters.get("partition", ""))

@@ -68,7 +68,6 @@ class Host:
         self._nodes[name] = node
 
     def run(self) -> int:
-        """Run all monitors until ROS ends the process; return the exit status as a node does."""
         end_at_signals()
         name = node_name(self._name)
         if not self._nodes:

@@ -82,7 +82,6 @@ class Callback:
         self._lock = threading.Lock()
 
     def __call__(self, message: object) -> None:
-        """Store one message."""
         header = getattr(message, "_connection_header", None) or {}
         # rospy keeps one header object per connection: a new object means a first message.
         publisher = str(header.get("callerid", ""))
@@ -203,7 +202,6 @@ class MonitorNode(Node):
         return found._replace(values=values, warnings=tuple(warnings), wrong_types=wrong)
 
     def run(self) -> int:
-        """Advertise, publish once, subscribe and loop; return the exit status."""
         self.ending.install()
         start_log()
         self._refusals.install()

@@ -72,7 +72,6 @@ class Peer:
         return value
 
     def uri_of(self, node: str) -> str | None:
-        """Return the address of a node, ``None`` when this master does not know it."""
         try:
             return str(self.call("lookupNode", node))
         except Refused:
@@ -163,7 +162,6 @@ class RosEnding(Ending):
         super().install()
 
     def end(self, status: int, reason: str) -> None:
-        """End the process with a status."""
         LOG.error("ending with status %d: %s", status, reason)
         self.status = status
         rospy.signal_shutdown(reason)
@@ -199,7 +197,6 @@ class TypeRefusals(logging.Handler):
         self.heard: Wrong = {}
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep the reason of a refused connection."""
         text = record.getMessage()
         if text.startswith("unable to create subscriber") and any(x in text for x in _REFUSALS):
             reason = text.partition("remote error reported: ")[2] or text
@@ -210,7 +207,6 @@ class TypeRefusals(logging.Handler):
                 LOG.error("the publisher of %s refuses this node: %s", topic, reason)
 
     def install(self) -> None:
-        """Begin to listen."""
         logging.getLogger("rospy.internal").addHandler(self)
 
 
@@ -247,7 +243,6 @@ class Watchdog:
         ending.on_end(self._stop.set)
 
     def start(self) -> None:
-        """Begin to watch."""
         threading.Thread(target=self._run, name="master watchdog", daemon=True).start()
 
     def _run(self) -> None:

@@ -85,7 +85,6 @@ class ManagedProcess(Process):
         self.forget_signs()
 
     def stop_publishing(self) -> None:
-        """Advertise nothing more."""
         while self._publishers:
             self.node.destroy_lifecycle_publisher(self._publishers.popitem()[1])
 

@@ -140,11 +140,9 @@ class MonitorNode(Node):
         return Topic(name, expected, {one.type for one in known}, age, why)
 
     def run(self, begun: Callable[[], None]) -> None:
-        """Step until its end."""
         self.run_on(self._process.name, self.statuses, begun)
 
     def statuses(self) -> Callable[[list[Status]], None]:
-        """Return what publishes statuses."""
         messages: Any = diagnostic_msgs.msg
         made = converter(messages, self._process.stamp)
         publish = self._process.publisher("/diagnostics", messages.DiagnosticArray, writing({}, 1))
@@ -152,7 +150,6 @@ class MonitorNode(Node):
 
     @classmethod
     def serve(cls, process: Any, make: Callable[[], MonitorNode]) -> int:
-        """Run a node until its process is to end; return the exit status."""
         node = make()
         node.prepare()
         with process.until(node.ending):

@@ -158,11 +158,9 @@ class Process:
         self._open = threading.RLock()
 
     def new_node(self, name: str) -> Any:
-        """Return the node of rclpy."""
         return rclpy.create_node(name)
 
     def new_publisher(self, topic: str, cls: Any, qos: QoSProfile) -> Any:
-        """Return a publisher of rclpy."""
         return self.node.create_publisher(cls, topic, qos)
 
     def publisher(self, topic: str, cls: Any, qos: QoSProfile) -> Callable[[Any], None]:
@@ -205,7 +203,6 @@ class Process:
         return None if signs is None else signs.alive_count > 0 or not signs.not_alive_count
 
     def forget_signs(self) -> None:
-        """Forget who gave signs of life."""
         self._signs.clear()
 
     @contextlib.contextmanager
@@ -230,7 +227,6 @@ class Process:
             self.close()
 
     def start(self) -> None:
-        """Begin to receive."""
         self._thread.start()
 
     def _run(self) -> None:
@@ -260,13 +256,11 @@ class Process:
         return [Publication(i.topic_type.replace("/msg/", "/"), i.qos_profile) for i in infos]
 
     def published(self) -> list[str]:
-        """Return the full names of all topics that somebody publishes."""
         with self._open:
             known = [] if self._closed else self.node.get_topic_names_and_types()
             return [name for name, _ in known if self.node.count_publishers(name)]
 
     def namesakes(self) -> int:
-        """Return how many nodes have the name of this one, with it."""
         with self._open:
             known = [] if self._closed else self.node.get_node_names_and_namespaces()
         return sum(f"{space.rstrip('/')}/{name}" == self.name for name, space in known)
