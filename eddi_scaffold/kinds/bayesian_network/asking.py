@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor, NodeSpec
-from eddi_runtime.bayesian_network.evidence import Answer, EvidenceError, Finding, finding
+from eddi_runtime.bayesian_network.outputs import Answer, EvidenceError, Finding, finding
 
 Evidence = str | Sequence[float] | None
 """Of one node: nothing, the name of a state, or one likelihood per state."""

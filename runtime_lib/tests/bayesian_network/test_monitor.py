@@ -12,7 +12,7 @@ from eddi_runtime.bayesian_network import (
     Outcome,
 )
 from eddi_runtime.bayesian_network import outputs as out
-from eddi_runtime.bayesian_network.evidence import EvidenceError
+from eddi_runtime.bayesian_network.outputs import EvidenceError
 
 from eddi_scaffold.kinds.bayesian_network import inference_plan
 from eddi_scaffold.kinds.bayesian_network.asking import InconsistentEvidenceError, posteriors

@@ -10,8 +10,18 @@ from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
-from .evidence import Methods, NotForeseenError
-from .outputs import NO_ANSWER, BayesianNetworkOutput, Facts, Known, Node, Outcome, Source, Step
+from .outputs import (
+    NO_ANSWER,
+    BayesianNetworkOutput,
+    Facts,
+    Known,
+    Methods,
+    Node,
+    NotForeseenError,
+    Outcome,
+    Source,
+    Step,
+)
 from .outputs import Monitor as OfD72
 
 Output = List[BayesianNetworkOutput]

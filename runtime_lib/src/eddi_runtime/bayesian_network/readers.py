@@ -12,7 +12,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
-from .evidence import Reading
+from .outputs import Reading
 
 ABSENT = -1
 _LARGEST = sys.float_info.max

@@ -12,8 +12,7 @@ from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Monitor, Standing, Tree, finite
 from ..plain_values import Absent, read
 from .arrays import NUMPY, Array, Axes, Numbers, array_of, take, torch_or_numpy
-from .comparison import Comparison, Window
-from .statistics import Tail
+from .comparison import Comparison, Tail, Window
 
 FILLING = "filling"
 STALE = "stale"
