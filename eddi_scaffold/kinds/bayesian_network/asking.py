@@ -38,7 +38,7 @@ def posteriors(
         engine = monitor.engine_for({*engine.outputs}, {*engine.observable, *given.findings})
     states = list(engine.missing)
     weights: dict[int, list[float]] = {}
-    given.put(engine.positions, engine.missing, states, weights)
+    given.put(engine, states, weights)
     rows = engine.infer(states, weights)
     if rows is None:
         shown = ", ".join(f"{name}={value}" for name, value in evidence.items())

@@ -6,7 +6,7 @@ import math
 from typing import Dict, Iterable, List, Union
 
 from ..inputs import look_again, step_time
-from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree
+from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree, row_trees
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
@@ -90,19 +90,21 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         look_again(eddi_input, t_ns)
         self._source = eddi_input
         last = self._last
-        now: float = 0
-        if self._timed:
-            time = step_time(t_ns)
-            now = _NO_TIME if time is None else time
+        time = step_time(t_ns) if self._timed else 0
+        now = _NO_TIME if time is None else time
         answer = NO_ANSWER
         if self._methods is not None:
             answer = self._methods.ask(eddi_input)
             if not answer.outputs <= self._known:
-                problem = self._grow(answer.outputs)
-                last = self._last = Step(self._missing)
-                if problem:
-                    last.answer, last.problem = answer, problem
+                try:
+                    flagged = {*self.engine.outputs, *answer.outputs}
+                    self._prepare(flagged, {*self.engine.observable})
+                except (ImportError, NotForeseenError) as problem:
+                    last = self._last = Step(self._missing)
+                    last.answer, last.problem = answer, str(problem)
                     return []
+                last = self._last = Step(self._missing)
+                self._good = None
         states = list(self._missing)
         weights: dict[int, list[float]] = {}
         raw = self.read(eddi_input)
@@ -118,7 +120,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             else:
                 weights[position] = found
         if answer is not NO_ANSWER:
-            answer.put(self._positions, self._missing, states, weights)
+            answer.put(self.engine, states, weights)
         rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
         if rows is _UNKNOWN:
             rows = self.engine.infer(states, weights)
@@ -162,8 +164,9 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return {**found, "status": self.status_name()}
 
     def message(self, output: object) -> Tree | list[Tree] | None:
-        tree, self._output_faults = out.output_message(output)
-        return tree
+        trees, faults = row_trees(output, out.output_tree)
+        self._output_faults = tuple(faults)
+        return trees[0] if trees and len(trees) == 1 else trees or None
 
     def output_faults(self) -> tuple[str, ...]:
         last = self._last
@@ -256,14 +259,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             if reason is not None:
                 found.setdefault(source.spec.id, reason)
         return found
-
-    def _grow(self, flagged: set[int]) -> str:
-        try:
-            self._prepare({*self.engine.outputs, *flagged}, {*self.engine.observable})
-        except (ImportError, NotForeseenError) as problem:
-            return str(problem)
-        self._good = None
-        return ""
 
     def engine_for(self, outputs: set[int], observed: set[int]) -> Engine:
         reason = self._not_foreseen(outputs, observed)

@@ -9,24 +9,16 @@ from __future__ import annotations
 import math
 from functools import partial
 from types import SimpleNamespace
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Callable,
-    List,
-    Mapping,
-    NamedTuple,
-    NoReturn,
-    Optional,
-    Sequence,
-    Tuple,
-    Union,
-)
+from typing import TYPE_CHECKING, Any, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
 from ..inputs import InputSpec
-from ..monitor import Json, Tree, rows_of
-from ..plain_values import one_line, plain, show
-from .engine import NodeSpec, Rows
+from ..monitor import Json, Tree
+from ..plain_values import exactly, one_line, plain, show
+from .engine import Engine, NodeSpec, Rows
+
+if TYPE_CHECKING:
+    from .direct import DirectReader
+    from .readers import Discretiser
 
 Finding = Union[None, int, List[float]]
 """None: nothing is known. A number: the state, for sure. A list: likelihoods, the largest is 1."""
@@ -105,8 +97,8 @@ def _number(value: object, state: str) -> float:
     return float(number)
 
 
-_Method = Tuple[int, str, Tuple[str, ...], Optional[Callable[[], Any]]]
-"""Number of a node, name of its method, states of the node; what is called in place of it."""
+_Method = Tuple[int, str, Tuple[str, ...], Any]
+"""Number of a node, name of its method, states of the node; another one in place of it."""
 
 
 class Answer:
@@ -120,14 +112,9 @@ class Answer:
         self.outputs: set[int] = set()  # nodes that were flagged as outputs
         self.problems: dict[int, str] = {}  # node -> why its method gave nothing
 
-    def put(
-        self,
-        positions: Mapping[int, int],
-        missing: Sequence[int],
-        states: list[int],
-        weights: dict[int, list[float]],
-    ) -> None:
+    def put(self, engine: Engine, states: list[int], weights: dict[int, list[float]]) -> None:
         """Replace what was declared by the results of the methods."""
+        positions, missing = engine.positions, engine.missing
         for node in self.problems:  # it would have set what is not known
             if node in positions:
                 states[positions[node]] = missing[positions[node]]
@@ -213,7 +200,7 @@ class Methods:
 class _Nobody:
     """Is given to a method in place of its object; what asks it anything fails."""
 
-    def _asked(self, *_: object) -> NoReturn:
+    def _asked(self, *_: object) -> Any:
         raise TypeError
 
     __bool__ = __eq__ = __ne__ = __str__ = __repr__ = __format__ = __hash__ = _asked
@@ -230,10 +217,6 @@ def _reads_nothing(code: Any) -> bool:
         and not any(isinstance(co_const, type(code)) for co_const in code.co_consts)
     )
 
-
-if TYPE_CHECKING:
-    from .direct import DirectReader
-    from .readers import Discretiser
 
 Known = Union[str, Tuple[float, ...]]  # a state, or likelihoods of which the largest is 1
 NO_ANSWER = Answer()
@@ -353,36 +336,16 @@ class Monitor:
         raise NotImplementedError
 
 
-def output_message(output: object) -> tuple[Tree | list[Tree] | None, tuple[str, ...]]:
-    """Return the tree of an output, None for none, and what was wrong; never raises."""
-    rows = rows_of(output)
-    if rows is None:
-        return None, ("the output is not a list; nothing is published",)
-    faults: list[str] = []
-    trees: list[Tree] = []
-    for one in rows:
-        try:
-            nodes = [_node_tree(node) for node in one.output_nodes]
-            trees.append(("BayesianNetworkOutput", {"output_nodes": nodes}))
-        except Exception as problem:  # noqa: BLE001, PERF203 - a person's code may have put anything there
-            faults.append(f"an output cannot be published: {type(problem).__name__}")
-    return trees[0] if len(trees) == 1 else trees or None, tuple(faults)
-
-
-def _node_tree(node: Any) -> Tree:
-    outcomes = [_outcome_tree(outcome) for outcome in node.outcomes]
-    return "NodeOutput", {"title": _text(node.title), "outcomes": outcomes}
-
-
-def _outcome_tree(outcome: Any) -> Tree:
-    value = plain(outcome.value)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise ValueError("an outcome is no finite number")
-    return "OutcomeOutput", {"outcome_name": _text(outcome.name), "outcome_value": float(value)}
-
-
-def _text(value: Any) -> str:
-    text = plain(value)
-    if not isinstance(text, str):
-        raise TypeError("a name is no text")
-    return text
+def output_tree(output: Any) -> Tree:
+    """Return an output as a message tree; whatever a person's code made of it may raise."""
+    nodes: list[Tree] = []
+    for node in output.output_nodes:
+        outcomes: list[Any] = []
+        for outcome in node.outcomes:
+            value: Any = plain(outcome.value)
+            if type(value) not in (int, float) or not math.isfinite(value):
+                raise TypeError(f"{show(outcome.value)} is no finite number")
+            fields = {"outcome_name": exactly(str, outcome.name), "outcome_value": float(value)}
+            outcomes.append(("OutcomeOutput", fields))
+        nodes.append(("NodeOutput", {"title": exactly(str, node.title), "outcomes": outcomes}))
+    return "BayesianNetworkOutput", {"output_nodes": nodes}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Sequence, overload
 
 from ..inputs import InputState, accepted, look_again, states_of
-from ..monitor import Monitor, Standing, Tree, rows_of
-from ..plain_values import ABSENT, plain, read
+from ..monitor import Monitor, Standing, Tree, row_trees
+from ..plain_values import ABSENT, exactly, plain, read
 from .verdicts import (
     FALSE,
     FAULT,
@@ -194,26 +194,28 @@ class ConSert(Monitor[Rows]):
         }
 
     def message(self, output: object) -> Tree:
-        """Return a ``ConSertOutput`` tree; a row that is spoilt is published as not active."""
-        faults: list[str] = []
-        rows = rows_of(output)
-        if rows is None:
-            faults.append("the output is not a list; nothing is published as active")
-            rows = [{"id": published_id, "active": False} for published_id in self.published_ids]
-        trees = [_row_tree(row, faults) for row in rows]
-        self._output_faults = tuple(faults)
-        return "ConSertOutput", {"guarantees": [tree for tree in trees if tree is not None]}
+        """Return a ``ConSertOutput`` tree; what is spoilt is published as not active."""
+        spoilt: list[str] = []
+
+        def tree_of(row: Any) -> Tree:
+            name, active = exactly(str, row["id"]), plain(row["active"])
+            if not isinstance(active, bool):
+                spoilt.append(f"'active' of {name!r} is not a bool; published as not active")
+            return "Guarantee", {"id": name, "active": active is True}
+
+        trees, faults = row_trees(output, tree_of)
+        if trees is None:
+            trees = [("Guarantee", {"id": one, "active": False}) for one in self.published_ids]
+        self._output_faults = (*faults, *spoilt)
+        return "ConSertOutput", {"guarantees": trees}
 
     def status_message(self) -> Tree:
         sets = self._sets()
         rows: list[Tree] = []
         for one in self.guarantees:
-            missing = [*(*sets.missing(one)[0], ())[0]]
-            row: Tree = (
-                "GuaranteeStatus",
-                {"id": one.id, "verdict": sets.value(one), "missing": missing},
-            )
-            rows.append(row)
+            verdict, missing = sets.value(one), [*(*sets.missing(one)[0], ())[0]]
+            fields: Any = {"id": one.id, "verdict": verdict, "missing": missing}
+            rows.append(("GuaranteeStatus", fields))
         return "ConSertStatus", {
             "model_id": self.model_id,
             "model_digest": self.digest,
@@ -257,18 +259,3 @@ class ConSert(Monitor[Rows]):
         if state is not None and state.state != "ok":
             return Reason(state.state, state.reason)
         return Reason(why, self.leaves[k].describe(self.raw[k], why))
-
-
-def _row_tree(row: Any, faults: list[str]) -> Tree | None:
-    try:
-        name, active = plain(row["id"]), plain(row["active"])
-    except Exception:  # noqa: BLE001 - a person's code may have put anything there
-        faults.append("a row of the output has no 'id' or no 'active'; it is left out")
-        return None
-    if not isinstance(name, str):
-        faults.append("the 'id' of a row of the output is not a text; it is left out")
-        return None
-    if not isinstance(active, bool):
-        faults.append(f"'active' of {name!r} is not a bool; published as not active")
-        active = False
-    return "Guarantee", {"id": name, "active": active}
