@@ -90,18 +90,14 @@ class Health:
         changed = self._changes.note(output) or kinds != self._kinds
         if changed or now - self._asked_at >= _REFRESH_S:
             self._kinds, self._asked_at = kinds, now
-            self._known = self._asked(kinds)
+            pairs, one = zip(self._inputs, kinds), self._monitor
+            unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
+            facts = tuple(one.standings()), tuple(one.accepted()), dict(one.blocked(unknown))
+            self._known = MonitorFact(*facts, tuple(one.doubts()))
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
         self._level = level_of(kinds, error, self._known.accepted + self._known.doubts)
         return self._level != before
-
-    def _asked(self, kinds: Sequence[str]) -> MonitorFact:
-        pairs = zip(self._inputs, kinds)
-        unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
-        one = self._monitor
-        standings, accepted = tuple(one.standings()), tuple(one.accepted())
-        return MonitorFact(standings, accepted, dict(one.blocked(unknown)), tuple(one.doubts()))
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""

@@ -123,7 +123,13 @@ def report(
         key = f"{one.what}.{one.id}" if one.what else one.id
         values.append((key, standing_text(one, by_id)))
     for fact in inputs:
-        values += _input_values(fact)
+        age = "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
+        pairs = [("age_s", age), ("received", str(fact.received)), ("errors", str(fact.errors))]
+        pairs += [("max_age", "no limit")] if fact.limit == "none" else []
+        pairs += [("blocks", ", ".join(fact.blocks))] if fact.blocks else []
+        reason = "" if fact.state == FRESH else because(fact)
+        pairs += [("reason", reason)] if reason else []
+        values += [(fact.id, fact.state), *((f"{fact.id}.{key}", text) for key, text in pairs)]
     values += [(f"accepted.{k}", text) for k, text in enumerate(monitor.accepted)]
     values += [("steps", str(node.steps)), ("overruns", str(node.overruns))]
     values += [("longest_step_ms", f"{node.longest_step * 1e3:.3f}"), *node.graph.values]
@@ -179,16 +185,3 @@ def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[tuple[
             for topic in mistaken:
                 wrong.pop(topic, None)
     yield from ((ERROR, f"{topic}: {text}") for topic, text in wrong.items())
-
-
-def _input_values(fact: InputFact) -> Iterator[tuple[str, str]]:
-    yield fact.id, fact.state
-    yield f"{fact.id}.age_s", "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
-    yield f"{fact.id}.received", str(fact.received)
-    yield f"{fact.id}.errors", str(fact.errors)
-    if fact.limit == "none":
-        yield f"{fact.id}.max_age", "no limit"
-    if fact.blocks:
-        yield f"{fact.id}.blocks", ", ".join(fact.blocks)
-    if fact.state != FRESH and (reason := because(fact)):
-        yield f"{fact.id}.reason", reason

@@ -176,8 +176,8 @@ class MessageClasses(NamedTuple):
 
     module: ModuleType  # holds the classes by name (``eddi_messages.msg``)
     # class -> its fields, each with its type as a ``.msg`` file spells it
-    fields: Callable[[object], Iterable[tuple[str, str]]]
-    type_name: Callable[[object], str]  # message or class -> ``package/Name``
+    fields: Callable[[Any], Iterable[tuple[str, str]]]
+    type_name: Callable[[Any], str]  # message or class -> ``package/Name``
     stamp: Callable[[], object]  # returns the present time for a header
 
 

@@ -104,7 +104,12 @@ class Chain:
 
     def bounds(self, beliefs: list[Belief], at: int, reason: str = "") -> Estimate:
         """Return what lies ahead at a prepared horizon if one of several beliefs is right."""
-        failed, alive, lives = zip(*[_divided(self.look(belief, at)) for belief in beliefs])
+        rows: list[Row] = []
+        for belief in beliefs:
+            failing, living, mean, endless, weight = self.look(belief, at)
+            life = math.inf if endless > 0.0 else mean / weight
+            rows.append((min(failing / weight, 1.0), living / weight, life))
+        failed, alive, lives = zip(*rows)
         return Estimate(min(failed), max(failed), min(alive), min(lives), (), reason)
 
     def bounded(self, seen: Seen, at: int, reason: str = "") -> Estimate:
@@ -150,9 +155,3 @@ class Chain:
             return True
         self.believe(self.sure_of(worst))
         return False
-
-
-def _divided(look: Look) -> Row:
-    failed, alive, mean, endless, weight = look
-    life = math.inf if endless > 0.0 else mean / weight
-    return min(failed / weight, 1.0), alive / weight, life

@@ -174,7 +174,10 @@ def _array(message: Any) -> Any:
     of = type(message).__name__
     shape: Any = None
     if hasattr(message, "layout") and hasattr(message, "data"):
-        message, shape = _laid_out(message.layout, message.data)
+        sizes = tuple(dimension.size for dimension in message.layout.dim)
+        message = message.data[message.layout.data_offset :]
+        if len(sizes) == 2 and sizes[0] * sizes[1] == len(message):
+            shape = sizes
     if isinstance(message, (bytes, bytearray)):
         message = np.frombuffer(message, dtype=np.uint8)
     elif isinstance(message, (list, tuple)):
@@ -193,15 +196,6 @@ def _array(message: Any) -> Any:
         raise _NoNumbersError(of)
     found = found.astype(np.float64)
     return found if shape is None else found.reshape(shape)
-
-
-def _laid_out(layout: Any, data: Any) -> Any:
-    """Return data behind the offset, and its shape where the layout has two dimensions."""
-    data = data[layout.data_offset :]
-    sizes = [dimension.size for dimension in layout.dim]
-    if len(sizes) == 2 and sizes[0] * sizes[1] == len(data):
-        return data, (sizes[0], sizes[1])
-    return data, None
 
 
 def _sort_out(found: Array, features: int, taken: Taken, faults: list[str]) -> None:

@@ -128,9 +128,12 @@ class SafeML(Monitor[SafeMLResult]):
             self._last = self._result(STALE)
             return self._last
         value: Any = read(eddi_input, self.inputs[0].attribute, self.inputs[0].id)
-        if self._too_old(now or 0):
-            self._clear()
-            self._last = self._result(STALE)
+        if self._accepted_ns is not None and self.max_age is not None:
+            self._accepted_ns = min(self._accepted_ns, now or 0)
+            age = ((now or 0) - self._accepted_ns) / 1e9
+            if age > self.max_age * (1 + 1e-9) and self._window.filled > 0:
+                self._clear()
+                self._last = self._result(STALE)
         if value is None or isinstance(value, Absent):
             self._fault = ""
             self._last = self._result(FILLING if self._accepted_ns is None else STALE)
@@ -170,13 +173,6 @@ class SafeML(Monitor[SafeMLResult]):
             reason != "", violation, self.significance_level, value, self._value,
             self._theoretical, test, bound, self._accepted, self._rejected, reason,
         )  # fmt: skip
-
-    def _too_old(self, now: int) -> bool:
-        if self._accepted_ns is None or self.max_age is None:
-            return False
-        self._accepted_ns = min(self._accepted_ns, now)
-        age = (now - self._accepted_ns) / 1e9
-        return age > self.max_age * (1 + 1e-9) and self._window.filled > 0
 
     def _clear(self) -> None:
         self._window.clear()

@@ -116,6 +116,8 @@ _DEPTH = 5
 class MonitorNode(Node):
     """Base class of the generated node."""
 
+    _graph: Graph  # that ``run`` joins
+
     def __init__(
         self,
         monitor: Steps,
@@ -125,14 +127,8 @@ class MonitorNode(Node):
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
         self._given = given or arguments([], self.NAME)
-        self._domain: Graph | None = None
         self._unreadable: dict[str, float] = {}
         self._clock: int | None = 0 if self._given.parameters.get("use_sim_time") is True else None
-
-    @property
-    def _graph(self) -> Graph:
-        assert self._domain is not None, "the node has not joined a graph"
-        return self._domain
 
     def topics(self) -> dict[str, str]:
         return {source.id: self._given.topic(source.topic) for source in self._sources}
@@ -184,7 +180,7 @@ class MonitorNode(Node):
         domain = domain_id(os.environ.get("ROS_DOMAIN_ID") or "0")
         given, distro = self._given, self.options.words["ros_distro"]
         partition = str(given.parameters.get("partition", ""))
-        self._domain = joined = Graph(domain, given.namespace, given.name, distro, partition)
+        self._graph = joined = Graph(domain, given.namespace, given.name, distro, partition)
         if self._clock is not None:
 
             def tick(message: Any, _: bool) -> None:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import threading
 import time
 from io import BytesIO
+from operator import attrgetter
 from types import ModuleType
-from typing import Any, Callable, Iterable, Mapping
+from typing import Any, Callable, Mapping
 
 import diagnostic_msgs.msg
 import rospy
@@ -64,13 +65,10 @@ def ros_type(message: object) -> str:
     return str(known._type)  # noqa: SLF001 - genpy's interface, in spite of its name
 
 
-def _fields(cls: Any) -> Iterable[tuple[str, str]]:
-    return zip(cls.__slots__, cls._slot_types)
-
-
 def converter(messages: ModuleType) -> Converter:
     """Return what makes messages of a package; rospy itself counts ``header.seq``."""
-    return Converter(MessageClasses(messages, _fields, ros_type, stamp))
+    fields = attrgetter("__slots__", "_slot_types")
+    return Converter(MessageClasses(messages, lambda cls: zip(*fields(cls)), ros_type, stamp))
 
 
 class Callback:
@@ -177,12 +175,11 @@ class MonitorNode(Node):
         watchdog, expected = self._watchdog, self.expected_types()
         state, seen, shared, published = "not watched", {}, set(), None
         if watchdog is not None:
-            state, seen = watchdog.state, dict(watchdog.wrong_types)
-            shared, published = watchdog.shared, watchdog.published
+            state, seen, shared = watchdog.state, dict(watchdog.wrong_types), watchdog.shared
+            published = None if state == LOST else watchdog.published
         refused, receipts = dict(self._refusals.heard), self._receipts.latest()
         wrong: dict[str, str] = {}
         warnings = ["ROS master lost"] if state == LOST else []
-        published = None if state == LOST else published
         for topic, (name, _) in expected.items():
             last = receipts[name].at if name in receipts else None
             text = standing(seen.get(topic), last) or standing(refused.get(topic), last)

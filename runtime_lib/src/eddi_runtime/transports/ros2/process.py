@@ -10,6 +10,7 @@ import signal
 import sys
 import threading
 import time
+from functools import partial
 from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional
 
 import rclpy
@@ -23,7 +24,6 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
-from ...node.publications import reading_qos, writing_qos
 from ...node.start import FREQUENCIES, LOG, Ending, Settings, StartError, settings
 from ...plain_values import one_line
 
@@ -81,17 +81,8 @@ _FOR_EVER_NS = 2**62
 """Whatever is longer: what counts as infinite depends on the middleware and the release."""
 
 
-def reading(given: Mapping[str, Any], depth: int) -> QoSProfile:
-    """Return how evidence is read: see :func:`reading_qos`."""
-    return _profile(reading_qos(given, depth))
-
-
-def writing(given: Mapping[str, Any], depth: int) -> QoSProfile:
-    """Return how results are written: see :func:`writing_qos`."""
-    return _profile(writing_qos(given, depth))
-
-
-def _profile(qos: Mapping[str, Any]) -> QoSProfile:
+def profile(qos: Mapping[str, Any]) -> QoSProfile:
+    """Return a quality of service as rclpy has it."""
     times = {k: Duration(seconds=qos[k]) for k in ("deadline", "lifespan") if k in qos}
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
@@ -109,18 +100,19 @@ def keeps(profile: QoSProfile) -> bool:
 
 def refused(reader: QoSProfile, writers: Iterable[QoSProfile]) -> str:
     """Return what of every writer is less than a reader asks for, empty when one fits."""
-    reasons = [_lacking(reader, writer) for writer in writers]
-    return reasons[0] if reasons and all(reasons) else ""
-
-
-def _lacking(reader: QoSProfile, writer: QoSProfile) -> str:
-    reliable = reader.reliability == ReliabilityPolicy.RELIABLE
-    if reliable and writer.reliability == ReliabilityPolicy.BEST_EFFORT:
-        return "the reliability"
-    if keeps(reader) and writer.durability == DurabilityPolicy.VOLATILE:
-        return "the durability"
-    asked, promised = deadline([reader]), deadline([writer])
-    return "the deadline" if asked and (promised is None or promised > asked) else ""
+    first, reliable = "", reader.reliability == ReliabilityPolicy.RELIABLE
+    asked = deadline([reader])
+    for writer in writers:
+        promised = deadline([writer])
+        if reliable and writer.reliability == ReliabilityPolicy.BEST_EFFORT:
+            first = first or "the reliability"
+        elif keeps(reader) and writer.durability == DurabilityPolicy.VOLATILE:
+            first = first or "the durability"
+        elif asked and (promised is None or promised > asked):
+            first = first or "the deadline"
+        else:
+            return ""
+    return first
 
 
 def deadline(writers: Iterable[QoSProfile]) -> float | None:
@@ -186,16 +178,13 @@ class Process:
         def changed(signs: Any) -> None:
             self._signs[topic] = signs
 
+        more: Any = {"qos_overriding_options": QoSOverridingOptions.with_default_policies()}
         taken = with_time if _TELLS_TIMES else without
-        more: dict[str, Any] = {}
-        more["qos_overriding_options"] = QoSOverridingOptions.with_default_policies()
-        events = SubscriptionEventCallbacks(liveliness=changed)
+        make = partial(self.node.create_subscription, cls, topic, taken, qos, **more)
         try:
-            return self.node.create_subscription(
-                cls, topic, taken, qos, event_callbacks=events, **more
-            )
+            return make(event_callbacks=SubscriptionEventCallbacks(liveliness=changed))
         except UnsupportedEventTypeError:  # of this middleware: nothing is told of signs of life
-            return self.node.create_subscription(cls, topic, taken, qos, **more)
+            return make()
 
     def alive(self, topic: str) -> bool | None:
         """Return whether a publisher of a topic gives signs of life, ``None`` if untold."""
