@@ -45,15 +45,11 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "reliability/tree": ("reliability",),
     "reliability/units": ("reliability",),
     "safeml": ("history",),
-    "testing": (),
     "thresholds": (),
     "transports/ros1/host": (),
     "transports/ros2/lifecycle": ("node/life_cycle",),
 }
-"""Part of ``eddi_runtime``, a folder or a module -> other parts that it imports.
-
-``testing`` is for people who have the distribution; no monitor needs it.
-"""
+"""Part of ``eddi_runtime``, a folder or a module -> other parts that it imports."""
 
 PEERS = "peers"  # what a monitor needs that is one of a fleet
 

@@ -8,7 +8,7 @@ from eddi_runtime.expressions import number
 from eddi_runtime.expressions.expression import Expression, read_path
 from eddi_runtime.expressions.lists import column
 from eddi_runtime.plain_values import by_key, joined, plain
-from eddi_runtime.safeml.samples import take
+from eddi_runtime.safeml.arrays import take
 
 LEVELS = (b"\x00", b"\x02", b"2", b"\xff")
 

@@ -92,7 +92,7 @@ def test_the_order_of_lists_changes_nothing_but_the_order(case, random):
     assert set(step(one, state)) == set(step(other, state))
     assert one.verdicts() == other.verdicts()
     for name in graph[2]:
-        assert one.explain(name, loss_sets=True) == other.explain(name, loss_sets=True)
+        assert one.explain(name) == other.explain(name)
 
 
 def subsets(names):
@@ -116,7 +116,7 @@ def test_explanations_are_those_of_brute_force(case):
     one = made(graph)
     step(one, state)
     true = {name for name, letter in state.items() if letter == "T"}
-    for found in one.explain(loss_sets=True):
+    for found in one.explain():
         name = found.guarantee
         assert found.active == (name in two_valued(graph, true))
         assert not found.truncated
@@ -124,7 +124,6 @@ def test_explanations_are_those_of_brute_force(case):
             wanted = minimal_sets(
                 true, lambda lost, g=name: g not in two_valued(graph, true - lost)
             )
-            assert found.loss_sets == wanted
             assert found.single_losses == tuple(group[0] for group in wanted if len(group) == 1)
             assert found.missing == ()
         else:
@@ -132,7 +131,7 @@ def test_explanations_are_those_of_brute_force(case):
             wanted = minimal_sets(false, lambda more, g=name: g in two_valued(graph, true | more))
             assert found.missing == wanted
             assert found.reasons.keys() == {leaf for group in wanted for leaf in group}
-            assert found.loss_sets == found.single_losses == ()
+            assert found.single_losses == ()
 
 
 @given(cases())
@@ -144,7 +143,7 @@ def test_sets_that_are_written_down_and_those_that_are_searched_are_the_same(cas
     assert searched.graph is not None
     for each in (one, searched):
         step(each, state)
-    assert one.explain(loss_sets=True) == searched.explain(loss_sets=True)
+    assert one.explain() == searched.explain()
     assert one.standings() == searched.standings()
     assert one.status_message() == searched.status_message()
 

@@ -7,10 +7,9 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from eddi_runtime.node import health, node, receipts
+from eddi_runtime.node import health, node, topics
 from eddi_runtime.node.node import Node
-from eddi_runtime.node.outputs import Output
-from eddi_runtime.node.receipts import Input
+from eddi_runtime.node.topics import Input, Output
 from eddi_runtime.peers import Fleet, Source
 
 from eddi_scaffold.common.identifiers import full_topic
@@ -38,7 +37,7 @@ class Robots:
         clock = SimpleNamespace(
             monotonic=lambda: self.now, monotonic_ns=lambda: round(self.now * 1e9)
         )
-        for module in (health, node, receipts):
+        for module in (health, node, topics):
             monkeypatch.setattr(module, "time", clock)
 
     def start(self, robot: str, monitor: BoundMonitor) -> None:

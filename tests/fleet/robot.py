@@ -19,9 +19,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from eddi_runtime.node.node import Node
-from eddi_runtime.node.outputs import Converter, MessageClasses, Output
-from eddi_runtime.node.receipts import Input
 from eddi_runtime.node.start import Settings
+from eddi_runtime.node.topics import Converter, Input, MessageClasses, Output
 from eddi_runtime.peers import Fleet, Source
 
 given = json.loads(sys.argv[1])

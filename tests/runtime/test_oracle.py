@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
-from eddi_runtime.testing import inputs
 
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
@@ -27,7 +28,7 @@ def test_every_step_of_every_scenario(limit):
         options = ConSertOptions(filter="majority", filter_steps=scenario["window"])
         made = monitor(scenario["model"], limit, options)
         for step in scenario["steps"]:
-            found = active(made.execute_step(inputs(made, step["in"])))
+            found = active(made.execute_step(SimpleNamespace(**step["in"])))
             assert found == step["active"], (scenario["id"], step)
             steps += 1
     assert steps == 320
@@ -38,7 +39,7 @@ def test_window_one_needs_no_filter():
         if scenario["window"] == 1:
             made = monitor(scenario["model"])
             for step in scenario["steps"]:
-                assert active(made.execute_step(inputs(made, step["in"]))) == step["active"]
+                assert active(made.execute_step(SimpleNamespace(**step["in"]))) == step["active"]
 
 
 GOOD = {
@@ -65,7 +66,7 @@ GOOD = {
 )  # fmt: skip
 def test_explanations(name, guarantee, true, missing, losses):
     made = monitor(name)
-    made.execute_step(inputs(made, {one: GOOD[one] for one in true.split()}))
+    made.execute_step(SimpleNamespace(**{one: GOOD[one] for one in true.split()}))
     found = made.explain(guarantee)
     assert found.missing == tuple(tuple(group.split()) for group in missing.split(", ") if group)
     assert found.single_losses == tuple(losses.split())

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
-from eddi_runtime.bayesian_network.evidence import Answer, finding
+from eddi_runtime.bayesian_network.outputs import Answer, finding
 
 from eddi_scaffold.common.problems import Place, problem
 from eddi_scaffold.kinds import CrossCheck
@@ -74,7 +74,7 @@ def posteriors(monitor: BayesianNetworkMonitor, case: Case) -> dict[str, tuple[f
         engine = monitor.engine_for({*engine.outputs}, {*engine.observable, *answer.findings})
     states = list(engine.missing)
     weights: dict[int, list[float]] = {}
-    answer.put(engine.positions, engine.missing, states, weights)
+    answer.put(engine, states, weights)
     rows = engine.infer(states, weights)
     if rows is None:
         return None

@@ -9,8 +9,8 @@ from . import monitor
 from .expressions import Conditions, reduced, scaled, stamp
 from .expressions import Value as Number
 from .inputs import accepted, look_again, step_time
-from .monitor import Monitor, Standing, Tree, rows_of
-from .plain_values import Absent, is_nan, plain, read, show
+from .monitor import Monitor, Standing, Tree, row_trees
+from .plain_values import Absent, exactly, is_nan, plain, read, show
 
 FORMAT = 1
 
@@ -82,7 +82,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         ]
 
     def read(self, source: object) -> tuple[object, ...]:
-        """Return the value of each input, None where it cannot be read; never raises."""
         raws = [read(source, spec.attribute, spec.id) for spec in self.inputs]
         values = [None if type(raw) is Absent else raw for raw in raws]
         factors = [spec.factor for spec in self.inputs]
@@ -94,7 +93,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return value
 
     def stamp(self, t: int, input_id: str) -> int:
-        """Return when the sample of an input was received."""
         try:
             return stamp(t, self._source.states[input_id].age + self._waited)
         except Exception:  # noqa: BLE001 - any object may be given as input
@@ -104,14 +102,18 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return {str(row["id"]): row["verdict"] for row in output}
 
     def message(self, output: object) -> list[Tree]:
-        faults: list[str] = []
-        rows = rows_of(output)
-        if rows is None:
-            faults.append("the output is not a list; nothing is published")
-        accepts = self._accepted() if rows else {}
-        trees = [_row_tree(row, accepts, faults) for row in rows or ()]
+        accepts = self._accepted()
+
+        def tree_of(row: Any) -> Tree:
+            name, verdict = exactly(str, row["id"]), row["verdict"]
+            flags = {key: exactly(bool, row[key]) for key in ("active", "raised", "cleared")}
+            truth = 1 if verdict is None else 2 if exactly(bool, verdict) else 0
+            accepted = list(accepts.get(name, ()))
+            return "EventOutput", {"id": name, "verdict": truth, **flags, "accepted": accepted}
+
+        trees, faults = row_trees(output, tree_of)
         self._output_faults = tuple(faults)
-        return [tree for tree in trees if tree is not None]
+        return trees or []
 
     def standings(self) -> list[Standing]:
         waits: dict[str, list[tuple[str, str]]] = {event.id: [] for event in self.events}
@@ -201,20 +203,3 @@ def _beyond(limits: tuple[float, float, bool] | None, value: object) -> str:
     if value < low or value > high:
         return f"{show(value)} is outside RANGE {low:.15g} .. {high:.15g}"
     return ""
-
-
-def _row_tree(row: Any, accepted: Mapping[str, list[str]], faults: list[str]) -> Tree | None:
-    try:
-        name, verdict = plain(row["id"]), plain(row["verdict"])
-        flags = {key: plain(row[key]) for key in ("active", "raised", "cleared")}
-        known = isinstance(verdict, bool) or row["verdict"] is None
-    except Exception:  # noqa: BLE001 - a person's code may have put anything there
-        faults.append("a row of the output is not as execute_step gives it; it is left out")
-        return None
-    sound = {key: flag for key, flag in flags.items() if isinstance(flag, bool)}
-    if not isinstance(name, str) or not known or len(sound) < len(flags):
-        faults.append("a row of the output has values of wrong types; it is left out")
-        return None
-    truth = 1 if verdict is None else 2 if verdict else 0
-    accepts = list(accepted.get(name, ()))
-    return "EventOutput", {"id": name, "verdict": truth, **sound, "accepted": accepts}

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Callable, Iterable
 from types import ModuleType
-from typing import Any, Iterable, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union
+from typing import Any, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union
 
 from .inputs import InputSpec, accepted
+from .plain_values import one_line
 
 __version__ = "1.0.0"
 """Of this runtime."""
@@ -48,6 +50,8 @@ def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
 Field = Union[str, bool, int, float, Sequence["Field"], "Tree"]
 Tree = Tuple[str, Mapping[str, Field]]
 """A message without ROS: (name, field -> str, bool, int, float, list or Tree)."""
+Trees = Union[Tree, "list[Tree]", None]
+"""What one step gives: a message, several, or none."""
 
 Json = Union[str, bool, int, float, None, Sequence["Json"], Mapping[str, "Json"]]
 """What ``json`` can write."""
@@ -57,11 +61,25 @@ Output = TypeVar("Output")  # what a step of one kind of monitor gives
 Value = Union[bool, float, str, None]  # a named result for people and plots; None is unknown
 
 
-def rows_of(output: object) -> Sequence[Any] | None:
-    """Return an output that is a list, None for what a person's code has put in place of one."""
-    # "isinstance" would believe what calls itself a list
+def row_trees(
+    output: object, tree_of: Callable[[Any], Tree]
+) -> tuple[list[Tree] | None, list[str]]:
+    """Return the tree of each row of an output (None: it has none), and what is wrong.
+
+    A row of which ``tree_of`` raises is left out: a person's code may have put anything there.
+    """
     rows: Any = output
-    return rows if issubclass(type(output), (list, tuple)) else None
+    # "isinstance" would believe what calls itself a list
+    if not issubclass(type(output), (list, tuple)):
+        return None, ["the output is not a list"]
+    trees: list[Tree] = []
+    faults: list[str] = []
+    for row in rows:
+        try:
+            trees.append(tree_of(row))
+        except Exception as problem:  # noqa: BLE001, PERF203 - whatever it raises
+            faults.append(f"a row of the output is left out: {one_line(problem)}")
+    return trees, faults
 
 
 def finite(value: Any) -> Any:
@@ -115,7 +133,7 @@ class Monitor(Protocol[Output]):
         """Return the verdicts in an output, always the same names; no number that drifts."""
         return self.series(output)
 
-    def message(self, output: object) -> Tree | list[Tree] | None:
+    def message(self, output: object) -> Trees:
         """Return what ``execute_step`` gave as checked message trees, None for nothing.
 
         It never raises, whatever a person's code has made of the output.

@@ -17,7 +17,7 @@ from typing import Any, Iterable, Mapping, NamedTuple, Sequence, Tuple
 
 from .inputs import Word
 from .monitor import Tree
-from .node.receipts import Input, Receipt
+from .node.topics import Input, Receipt
 
 __all__ = ["Fleet", "Found", "Name", "Peers", "Source"]
 

@@ -10,6 +10,8 @@ import sys
 from operator import attrgetter
 from typing import Any, Iterable, Sequence, TypeVar, Union
 
+T = TypeVar("T")
+
 
 def plain(raw: object) -> bool | int | float | str | None:
     """Return a bool, int, float or str of exactly that type; None for every other; never raises.
@@ -38,6 +40,14 @@ def plain(raw: object) -> bool | int | float | str | None:
     if issubclass(kind, int):
         return int.__int__(item)
     return str.__str__(item) if issubclass(kind, str) else None
+
+
+def exactly(kind: type[T], raw: object) -> T:
+    """Return a value of a type as a plain one, else TypeError."""
+    value: Any = plain(raw)
+    if type(value) is not kind:
+        raise TypeError(f"{show(raw)} is no {kind.__name__}")
+    return value
 
 
 def is_nan(raw: object) -> bool:
@@ -96,7 +106,6 @@ def read(source: object, attribute: str, input_id: str) -> object:
     return ABSENT
 
 
-T = TypeVar("T")
 UNTOLD = "unknown there"  # why an input is not known where another monitor does not know it
 Step = Union[str, int, Sequence[Union[str, int]]]
 """One step of a path into a message, see ``follow``."""

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from eddi_runtime.bayesian_network.evidence import EvidenceError, finding, outcomes_finding
+from eddi_runtime.bayesian_network.outputs import EvidenceError, finding, outcomes_finding
 
 STATES = ("low", "mid", "high")
 

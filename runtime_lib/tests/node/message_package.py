@@ -6,7 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from eddi_runtime.node.outputs import Converter, MessageClasses
+from eddi_runtime.node.topics import Converter, MessageClasses
 
 HERE = Path(__file__).parents[3]
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"

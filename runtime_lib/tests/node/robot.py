@@ -12,10 +12,9 @@ from contextlib import nullcontext
 from types import SimpleNamespace
 
 from eddi_runtime.inputs import UNKNOWN_AGE
-from eddi_runtime.node import health, node, receipts
+from eddi_runtime.node import health, node, topics
 from eddi_runtime.node.node import Node
-from eddi_runtime.node.outputs import Output
-from eddi_runtime.node.receipts import Input
+from eddi_runtime.node.topics import Input, Output
 
 from runtime_lib.tests.node.message_package import (
     EDDI_MESSAGES,
@@ -114,7 +113,7 @@ class Robot:
         for module in (health, node):
             monkeypatch.setattr(module, "LOG", SimpleNamespace(**levels))
         clock = SimpleNamespace(monotonic=lambda: self.now)
-        for module in (health, node, receipts):
+        for module in (health, node, topics):
             monkeypatch.setattr(module, "time", clock)
 
     def t_ns(self):

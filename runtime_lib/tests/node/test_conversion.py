@@ -1,7 +1,7 @@
 """Message trees become messages that are filled completely, and every value is checked."""
 
 import pytest
-from eddi_runtime.node.outputs import MessageError
+from eddi_runtime.node.topics import MessageError
 
 from runtime_lib.tests.node.message_package import STD_MSGS, converter, package
 

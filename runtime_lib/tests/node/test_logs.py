@@ -3,7 +3,7 @@
 import threading
 
 import pytest
-from eddi_runtime.node.loop import Log
+from eddi_runtime.node.start import Log
 
 
 class Written:

@@ -1,7 +1,7 @@
 """Which message, or which value of it, goes to which topic, checked before a node starts."""
 
 import pytest
-from eddi_runtime.node.outputs import (
+from eddi_runtime.node.topics import (
     MessageError,
     Output,
     channels,

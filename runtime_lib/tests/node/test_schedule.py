@@ -4,7 +4,7 @@ import threading
 import time
 
 import pytest
-from eddi_runtime.node.loop import Schedule, Waker
+from eddi_runtime.node.start import Schedule, Waker
 
 
 def test_late_steps_are_counted_and_not_made_up():

@@ -5,7 +5,7 @@ import time
 
 import pytest
 from eddi_runtime.node.publications import fault
-from eddi_runtime.node.receipts import Input, Receipts, Silence, Topic
+from eddi_runtime.node.topics import Input, Receipts, Silence, Topic
 
 BOOL, TEXT = "std_msgs/Bool", "std_msgs/String"
 SILENT = "its publisher is there, and silent"

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime.history import Messages  # noqa: E402
-from eddi_runtime.safeml.samples import take  # noqa: E402
+from eddi_runtime.safeml.arrays import take  # noqa: E402
 
 from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
 

@@ -3,8 +3,11 @@
 import pytest
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.safeml.comparison import Comparison, Window  # noqa: E402 - numpy comes first
-from eddi_runtime.safeml.statistics import CramerVonMises  # noqa: E402
+from eddi_runtime.safeml.comparison import (  # noqa: E402 - numpy comes first
+    Comparison,
+    CramerVonMises,
+    Window,
+)
 
 from eddi_scaffold.kinds.safeml.thresholds import of_windows  # noqa: E402
 from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
@@ -20,7 +23,7 @@ def test_sums_that_do_not_fit_into_64_bits():
     exact = of_windows(Comparison("cvm", reference, 200), window)
     comparison = Comparison("cvm", reference, 200)
     made = pytest.MonkeyPatch()
-    made.setattr("eddi_runtime.safeml.statistics._EXACT", 1)
+    made.setattr("eddi_runtime.safeml.comparison._EXACT", 1)
     comparison.of_ranks = CramerVonMises(comparison.backend, reference, 200)
     made.undo()
     np.testing.assert_allclose(of_windows(comparison, window), exact, rtol=1e-10)

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import yaml
-from eddi_runtime.testing import inputs
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
@@ -53,4 +53,4 @@ def monitor_of(
     configured = replace(model, options=options or ConSertOptions())
     bound = tuple(bound_input(one.id) for one in model.inputs())
     made = BoundModel(configured, Declaration(model.name, DIGEST, bound)).monitor(limit=limit)
-    return made, lambda values: inputs(made, values)
+    return made, lambda values: SimpleNamespace(**values)

@@ -53,7 +53,6 @@ class Numbers:
                 self.rows[message.nodes[0]] = self.known[number].tolist()
 
     def vector(self, node: int, position: int, states: States, weights: Weights) -> list[float]:
-        """Return the evidence vector of a node in a step."""
         rows = self.rows[node]
         if position not in weights:
             return rows[states[position]]
@@ -114,7 +113,6 @@ class Running(Numbers):
             self.hard = self._step(made.hard) if made.full else self._full
 
     def soft(self, states: States, weights: Weights) -> Posteriors:
-        """Return unnormalised rows when some inputs have virtual evidence (by position)."""
         values: list[float] = []
         for node in self.rows:
             values += self.vector(node, self._positions[node], states, weights)

@@ -102,7 +102,6 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             one.step(0, math.nan, usable=False)
 
     def _picked(self, rows: Rows) -> list[float]:
-        """Return the probability that each threshold is about."""
         return [
             rows[place][states[0]]
             if len(states) == 1
@@ -163,7 +162,6 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         return found
 
     def evidence_message(self) -> Tree:
-        """Return the thresholds as a ``BayesianNetworkEvidence`` without header."""
         facts = self.facts()
         fields: dict[str, Field] = {
             "bayesian_network_id": self.model_id,
@@ -216,7 +214,6 @@ class ThresholdMonitor(BayesianNetworkMonitor):
 
 
 def _why(one: Claim, facts: Facts) -> tuple[tuple[tuple[str, str], ...], str]:
-    """Return what a threshold lacks, and why else it is not active, in words for people."""
     if one.active:
         return (), ""
     if one.reason in (UNKNOWN_INPUTS, TOO_MANY):

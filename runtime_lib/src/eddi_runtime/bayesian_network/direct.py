@@ -6,7 +6,7 @@ import math
 from typing import Any, Callable, Sequence
 
 from ..plain_values import plain, show
-from .evidence import EvidenceError, Finding, Reading, finding
+from .outputs import EvidenceError, Finding, Reading, finding
 
 
 class DirectReader:

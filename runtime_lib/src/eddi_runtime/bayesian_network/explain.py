@@ -26,7 +26,6 @@ class Explanation(NamedTuple):
     claims: tuple[Claim, ...]  # the result of each threshold
 
     def text(self) -> str:
-        """Return the explanation for people, the most relevant node first."""
         lines = []
         for name in sorted(self.evidence, key=lambda one: -self.relevance.get(one, 0.0)):
             value = self.evidence[name]

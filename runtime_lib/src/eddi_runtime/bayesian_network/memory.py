@@ -32,7 +32,6 @@ class Hysteresis:
         self._previous, self._before, self.possible = None, (), ()
 
     def take(self, value: float, bare: int) -> int:
-        """Return the bin of a value whose bare bin is known."""
         place, previous = bare, self._previous
         if previous is not None and previous != bare:
             place = self._kept(value, previous, bare)

@@ -6,12 +6,22 @@ import math
 from typing import Dict, Iterable, List, Union
 
 from ..inputs import look_again, step_time
-from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree
+from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree, row_trees
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
-from .evidence import Methods, NotForeseenError
-from .outputs import NO_ANSWER, BayesianNetworkOutput, Facts, Known, Node, Outcome, Source, Step
+from .outputs import (
+    NO_ANSWER,
+    BayesianNetworkOutput,
+    Facts,
+    Known,
+    Methods,
+    Node,
+    NotForeseenError,
+    Outcome,
+    Source,
+    Step,
+)
 from .outputs import Monitor as OfD72
 
 Output = List[BayesianNetworkOutput]
@@ -80,19 +90,21 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         look_again(eddi_input, t_ns)
         self._source = eddi_input
         last = self._last
-        now: float = 0
-        if self._timed:
-            time = step_time(t_ns)
-            now = _NO_TIME if time is None else time
+        time = step_time(t_ns) if self._timed else 0
+        now = _NO_TIME if time is None else time
         answer = NO_ANSWER
         if self._methods is not None:
             answer = self._methods.ask(eddi_input)
             if not answer.outputs <= self._known:
-                problem = self._grow(answer.outputs)
-                last = self._last = Step(self._missing)
-                if problem:
-                    last.answer, last.problem = answer, problem
+                try:
+                    flagged = {*self.engine.outputs, *answer.outputs}
+                    self._prepare(flagged, {*self.engine.observable})
+                except (ImportError, NotForeseenError) as problem:
+                    last = self._last = Step(self._missing)
+                    last.answer, last.problem = answer, str(problem)
                     return []
+                last = self._last = Step(self._missing)
+                self._good = None
         states = list(self._missing)
         weights: dict[int, list[float]] = {}
         raw = self.read(eddi_input)
@@ -108,7 +120,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             else:
                 weights[position] = found
         if answer is not NO_ANSWER:
-            answer.put(self._positions, self._missing, states, weights)
+            answer.put(self.engine, states, weights)
         rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
         if rows is _UNKNOWN:
             rows = self.engine.infer(states, weights)
@@ -137,7 +149,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return [one.as_json() for one in output] or None
 
     def series(self, output: Output) -> Named:
-        """Return ``Node=state`` -> probability, and each threshold."""
         found: Named = {f"{title}={name}": None for title, names in self._given for name in names}
         for node in (node for one in output for node in one.output_nodes):
             found.update((f"{node.title}={one.name}", one.value) for one in node.outcomes)
@@ -153,8 +164,9 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return {**found, "status": self.status_name()}
 
     def message(self, output: object) -> Tree | list[Tree] | None:
-        tree, self._output_faults = out.output_message(output)
-        return tree
+        trees, faults = row_trees(output, out.output_tree)
+        self._output_faults = tuple(faults)
+        return trees[0] if trees and len(trees) == 1 else trees or None
 
     def output_faults(self) -> tuple[str, ...]:
         last = self._last
@@ -167,7 +179,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return (*problems, *self._output_faults)
 
     def status_name(self) -> str:
-        """Return the status of the last step in a word: why there is no output, for instance."""
         return out.STATUS_NAMES[self.status()]
 
     def status(self) -> int:
@@ -249,16 +260,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
                 found.setdefault(source.spec.id, reason)
         return found
 
-    def _grow(self, flagged: set[int]) -> str:
-        try:
-            self._prepare({*self.engine.outputs, *flagged}, {*self.engine.observable})
-        except (ImportError, NotForeseenError) as problem:
-            return str(problem)
-        self._good = None
-        return ""
-
     def engine_for(self, outputs: set[int], observed: set[int]) -> Engine:
-        """Return inference for some nodes, or raise NotForeseenError."""
         reason = self._not_foreseen(outputs, observed)
         if not reason:
             return Engine(self.nodes, self.foreseen)

@@ -58,11 +58,9 @@ class Patterns:
         self._shared: dict[tuple[int, ...], Any] = {}
 
     def hard(self, states: States) -> Posteriors:
-        """Return unnormalised rows."""
         return self.soft(states, {})
 
     def soft(self, states: States, weights: Weights) -> Posteriors:
-        """Return unnormalised rows when some inputs have virtual evidence (by position)."""
         pattern = tuple(map(eq, self._own(states), self._missing)), tuple(weights)
         step = self._steps.get(pattern)
         if step is None:
@@ -131,7 +129,6 @@ class _Arrays:
             self._operation(name, one, other, out)
 
     def step(self, wanted: Sequence[int]) -> Step:
-        """Return the step: states, likelihoods -> a row for each output that is wanted."""
         answers = [self._steps.answers[k] for k in wanted]
         used = {*answers, *(k for _, *places in self._operations for k in places)}
         chosen = [

@@ -12,7 +12,7 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
-from .evidence import Reading
+from .outputs import Reading
 
 ABSENT = -1
 _LARGEST = sys.float_info.max
@@ -71,7 +71,6 @@ class Discretiser:
         self.read = self._quick()
 
     def absent(self, now: float) -> int:
-        """Return the state when there is no value."""
         return self._default
 
     def known(self, raw: object, reading: Reading) -> tuple[bool, str]:

@@ -45,7 +45,6 @@ class Schedule(NamedTuple):
     full: Steps | None  # for any evidence; None where each observable node is observed
 
     def running(self, cards: Mapping[int, tuple[int, int]], wanted: Sequence[int]) -> Running:
-        """Return the inference by these operations, see ``Part``."""
         from .arrays import Running  # noqa: PLC0415 - numpy takes 0.1 s and 25 MB
 
         return Running(self, {node: position for node, (position, _) in cards.items()}, wanted)

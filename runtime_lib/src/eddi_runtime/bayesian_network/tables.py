@@ -58,7 +58,6 @@ class JointTables:
             self.hard = lambda states: [look_up(states)[k] for k in wanted]
 
     def soft(self, states: States, weights: Weights) -> Rows:
-        """Return unnormalised rows when some inputs have virtual evidence."""
         return [
             self._row(table, states, weights)
             if table.total is None
@@ -67,7 +66,6 @@ class JointTables:
         ]
 
     def scaled(self, states: States, weights: Weights) -> Rows:
-        """Return rows of which none is zero by underflow, for very small likelihoods."""
         return [self._row(table, states, weights, scale=True) for table in self._tables]
 
     def _vector(self, position: int, states: States, weights: Weights) -> Sequence[float]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Sequence, overload
 
 from ..inputs import InputState, accepted, look_again, states_of
-from ..monitor import Monitor, Standing, Tree, rows_of
-from ..plain_values import ABSENT, plain, read
+from ..monitor import Monitor, Standing, Tree, row_trees
+from ..plain_values import ABSENT, exactly, plain, read
 from .verdicts import (
     FALSE,
     FAULT,
@@ -64,11 +64,9 @@ class ConSert(Monitor[Rows]):
         return tuple([sets.value(guarantee) == TRUE for guarantee in self.guarantees])
 
     def read(self, source: object) -> tuple[object, ...]:
-        """Return the value of each input, ``Absent`` where it cannot be read; never raises."""
         return tuple([read(source, spec.attribute, spec.id) for spec in self.inputs])
 
     def judge(self, leaf: int, raw: object) -> int:
-        """Return the truth value of a raw value."""
         return self.leaves[leaf].judge(raw)[0]
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
@@ -108,50 +106,40 @@ class ConSert(Monitor[Rows]):
         }
 
     @overload
-    def explain(
-        self, guarantee_id: None = None, *, loss_sets: bool = False
-    ) -> tuple[Explanation, ...]: ...
+    def explain(self, guarantee_id: None = None) -> tuple[Explanation, ...]: ...
 
     @overload
-    def explain(self, guarantee_id: str, *, loss_sets: bool = False) -> Explanation: ...
+    def explain(self, guarantee_id: str) -> Explanation: ...
 
-    def explain(
-        self, guarantee_id: str | None = None, *, loss_sets: bool = False
-    ) -> Explanation | tuple[Explanation, ...]:
+    def explain(self, guarantee_id: str | None = None) -> Explanation | tuple[Explanation, ...]:
         """Return why a guarantee, by either id, is active or not; None: all of them.
 
-        ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee. An
-        unknown id is a LookupError that names those there are.
+        An unknown id is a LookupError that names those there are.
         """
         sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
-            of = self.guarantees
-            return tuple([self._explain(one, sets, reasons, loss_sets=loss_sets) for one in of])
+            return tuple([self._explain(one, sets, reasons) for one in self.guarantees])
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
-        return self._explain(self._named[guarantee_id], sets, reasons, loss_sets=loss_sets)
+        return self._explain(self._named[guarantee_id], sets, reasons)
 
     def _explain(
-        self, one: Guarantee, sets: Sets, reasons: Mapping[str, Reason], *, loss_sets: bool
+        self, guarantee: Guarantee, sets: Sets, reasons: Mapping[str, Reason]
     ) -> Explanation:
-        value, (missing, truncated) = sets.value(one), sets.missing(one)
-        active = value == TRUE
-        losses, more = sets.loss_sets(one) if active and loss_sets else ([], False)
+        value, (missing, truncated) = sets.value(guarantee), sets.missing(guarantee)
         return Explanation(
-            guarantee=one.id,
-            active=active,
+            guarantee=guarantee.id,
+            active=value == TRUE,
             verdict=NAMES[value],
             missing=tuple(missing),
-            single_losses=sets.single_losses(one) if active else (),
-            loss_sets=tuple(losses),
+            single_losses=sets.single_losses(guarantee) if value == TRUE else (),
             reasons={name: reasons[name] for group in missing for name in group},
-            truncated=truncated or more,
-            robots=self._robots(one),
+            truncated=truncated,
+            robots=self._robots(guarantee),
         )
 
     def robots(self, guarantee_id: str) -> tuple[str, ...]:
-        """Return the other robots on whose words a guarantee may rest after the last step."""
         found = self._robots(self._named[guarantee_id]).values()
         return tuple(sorted({robot for robots in found for robot in robots}))
 
@@ -206,26 +194,28 @@ class ConSert(Monitor[Rows]):
         }
 
     def message(self, output: object) -> Tree:
-        """Return a ``ConSertOutput`` tree; a row that is spoilt is published as not active."""
-        faults: list[str] = []
-        rows = rows_of(output)
-        if rows is None:
-            faults.append("the output is not a list; nothing is published as active")
-            rows = [{"id": published_id, "active": False} for published_id in self.published_ids]
-        trees = [_row_tree(row, faults) for row in rows]
-        self._output_faults = tuple(faults)
-        return "ConSertOutput", {"guarantees": [tree for tree in trees if tree is not None]}
+        """Return a ``ConSertOutput`` tree; what is spoilt is published as not active."""
+        spoilt: list[str] = []
+
+        def tree_of(row: Any) -> Tree:
+            name, active = exactly(str, row["id"]), plain(row["active"])
+            if not isinstance(active, bool):
+                spoilt.append(f"'active' of {name!r} is not a bool; published as not active")
+            return "Guarantee", {"id": name, "active": active is True}
+
+        trees, faults = row_trees(output, tree_of)
+        if trees is None:
+            trees = [("Guarantee", {"id": one, "active": False}) for one in self.published_ids]
+        self._output_faults = (*faults, *spoilt)
+        return "ConSertOutput", {"guarantees": trees}
 
     def status_message(self) -> Tree:
         sets = self._sets()
         rows: list[Tree] = []
         for one in self.guarantees:
-            missing = [*(*sets.missing(one)[0], ())[0]]
-            row: Tree = (
-                "GuaranteeStatus",
-                {"id": one.id, "verdict": sets.value(one), "missing": missing},
-            )
-            rows.append(row)
+            verdict, missing = sets.value(one), [*(*sets.missing(one)[0], ())[0]]
+            fields: Any = {"id": one.id, "verdict": verdict, "missing": missing}
+            rows.append(("GuaranteeStatus", fields))
         return "ConSertStatus", {
             "model_id": self.model_id,
             "model_digest": self.digest,
@@ -269,18 +259,3 @@ class ConSert(Monitor[Rows]):
         if state is not None and state.state != "ok":
             return Reason(state.state, state.reason)
         return Reason(why, self.leaves[k].describe(self.raw[k], why))
-
-
-def _row_tree(row: Any, faults: list[str]) -> Tree | None:
-    try:
-        name, active = plain(row["id"]), plain(row["active"])
-    except Exception:  # noqa: BLE001 - a person's code may have put anything there
-        faults.append("a row of the output has no 'id' or no 'active'; it is left out")
-        return None
-    if not isinstance(name, str):
-        faults.append("the 'id' of a row of the output is not a text; it is left out")
-        return None
-    if not isinstance(active, bool):
-        faults.append(f"'active' of {name!r} is not a bool; published as not active")
-        active = False
-    return "Guarantee", {"id": name, "active": active}

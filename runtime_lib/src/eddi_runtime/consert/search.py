@@ -1,6 +1,6 @@
 """The sets of a ConSert that has too many of them for ``compiled.py``: searched on the robot.
 
-The trees have no negation, so these are minimal path and cut sets, found by MOCUS (union for Or,
+The trees have no negation, so these are minimal path sets, found by MOCUS (union for Or,
 collection for And, absorption after each step) over sets as bits of whole numbers.
 """
 
@@ -10,11 +10,12 @@ from collections import Counter
 from typing import NamedTuple, Sequence
 
 from ..inputs import InputSpec
-from .verdicts import FALSE, MAX_SETS, TRUE, Group, Guarantee, Sets
+from .verdicts import FALSE, TRUE, Group, Guarantee, Sets
 
 _BUDGET = 2_000_000
 """Comparisons of sets per explanation, about 0.5 s; beyond it nodes keep ``_FEW_SETS`` each."""
 _FEW_SETS = 4
+_MOST_SETS = 256  # the smallest are kept, and the result is marked as truncated
 
 
 class Node(NamedTuple):
@@ -44,7 +45,6 @@ class Graph:
         self.position = {k: position for position, k in enumerate(self.by_bit)}
 
     def evaluate(self, leaf_values: Sequence[int]) -> list[int]:
-        """Return the truth value of every node by number, from those of the leaves."""
         values = list(leaf_values)
         for is_and, inputs in self.nodes:
             if is_and:
@@ -54,7 +54,6 @@ class Graph:
         return values
 
     def sets(self, leaf_values: Sequence[int]) -> Sets:
-        """Return what follows of the guarantees in a state of the inputs."""
         return Search(self, leaf_values)
 
 
@@ -70,7 +69,7 @@ _ALREADY = _Family(((0, 0),))
 
 
 class Search(Sets):
-    """Path and cut sets of one state of a graph."""
+    """Path sets of one state of a graph."""
 
     def __init__(self, graph: Graph, leaf_values: Sequence[int]) -> None:
         super().__init__(graph.names, leaf_values)
@@ -80,12 +79,6 @@ class Search(Sets):
 
     def value(self, one: Guarantee) -> int:
         return self._values[one.node]
-
-    def _lacking(self, one: Guarantee) -> tuple[list[Group], bool]:
-        return self._mocus(one.node, paths=True)
-
-    def loss_sets(self, one: Guarantee) -> tuple[list[Group], bool]:
-        return self._mocus(one.node, paths=False)
 
     # Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that all
     # of its TRUE inputs fall with.
@@ -135,31 +128,25 @@ class Search(Sets):
                     stack.append(read)
         return sorted(seen)
 
-    def _mocus(self, node: int, *, paths: bool) -> tuple[list[Group], bool]:
-        """Return the minimal sets that reach (paths) or end (cuts) the node.
-
-        Cuts are the paths of the dual graph: And and Or, lost and there change places.
-        """
-        gates = self._gates_below(node)
+    def _lacking(self, one: Guarantee) -> tuple[list[Group], bool]:
+        gates = self._gates_below(one.node)
         users = Counter(read for k in gates for read in self._node(k).inputs)
         self._done = 0
         families: dict[int, _Family] = {}
         for k in gates:
             is_and, inputs = self._node(k)
-            all_needed, settled = is_and == paths, self._true_nodes[k] == paths
-            combine = self._both if all_needed else self._either
-            family = _ALREADY if all_needed or settled else _IMPOSSIBLE
-            for read in () if settled else inputs:
-                there = self._true_nodes[read] == paths
-                leaf = _ALREADY if there else None
-                found = families.get(read) or leaf or _Family(((1, self._bit(read)),))
-                family = combine(family, found)
+            family = _ALREADY if is_and or self._true_nodes[k] else _IMPOSSIBLE
+            for read in () if self._true_nodes[k] else inputs:
+                leaf = _ALREADY if self._true_nodes[read] else None
+                below = families.get(read) or leaf or _Family(((1, self._bit(read)),))
+                family = self._both(family, below) if is_and else self._either(family, below)
             families[k] = family
             for read in inputs:
                 users[read] -= 1
-                if not users[read]:  # a long chain would else hold every set on the way
+                if not users[read]:  # a long chain would else hold every set on its path
                     families.pop(read, None)
-        return [self._ids(bits) for _, bits in families[node].sets], families[node].truncated
+        sets, truncated = families[one.node]
+        return [self._ids(bits) for _, bits in sets], truncated
 
     def _ids(self, bits: int) -> Group:
         ids = []
@@ -170,13 +157,11 @@ class Search(Sets):
         return tuple(ids)
 
     def _either(self, one: _Family, other: _Family) -> _Family:
-        """Return the minimal sets of an Or."""
         if not one.sets or not other.sets:
             return other if not one.sets else one
         return self._minimal([*one.sets, *other.sets], one.truncated or other.truncated)
 
     def _both(self, one: _Family, other: _Family) -> _Family:
-        """Return the minimal sets of an And."""
         if _ALREADY in (one, other):
             return other if one == _ALREADY else one
         if not one.sets or not other.sets:
@@ -191,7 +176,7 @@ class Search(Sets):
 
     def _minimal(self, sets: list[tuple[int, int]], truncated: bool) -> _Family:
         """Return the smallest sets without those that contain another one (absorption)."""
-        limit = MAX_SETS if self._done <= _BUDGET else _FEW_SETS
+        limit = _MOST_SETS if self._done <= _BUDGET else _FEW_SETS
         kept: list[tuple[int, int]] = []
         smaller: list[int] = []  # only a smaller set can be inside; equal ones are equal
         size_now = 0

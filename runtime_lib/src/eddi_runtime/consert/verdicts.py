@@ -31,7 +31,6 @@ class Leaf:
     _covers: Callable[[Any], Optional[bool]]
 
     def judge(self, raw: object) -> Judgement:
-        """Return the truth value of a raw input value and why; never raises."""
         if raw is None or raw is ABSENT:
             return UNKNOWN, MISSING
         try:
@@ -46,7 +45,6 @@ class Leaf:
         return (TRUE, GOOD) if covered else (FALSE, NOT_COVERED)
 
     def describe(self, raw: object, why: str) -> str:
-        """Return one line for people on why the leaf is not TRUE."""
         if why == MISSING:
             return "no value"
         if why == NAN:
@@ -104,8 +102,6 @@ class Numeric(Leaf):
         )
 
 
-MAX_SETS = 256  # sets that are kept; the smallest are kept, and the result is marked as truncated
-
 Group = Tuple[str, ...]  # ids of inputs, sorted
 
 
@@ -127,8 +123,6 @@ class Explanation(NamedTuple):
     # becoming TRUE, by size, then by ids. Empty when nothing can.
     missing: tuple[Group, ...]
     single_losses: Group  # active: each input whose loss alone would deactivate it, by id
-    # active, when asked for: the minimal sets of inputs that would do so together
-    loss_sets: tuple[Group, ...]
     reasons: Mapping[str, Reason]  # for each input in ``missing``, why it is not TRUE
     # there are more sets than are listed; the listed ones suffice but one may then be larger than
     # needed
@@ -137,7 +131,6 @@ class Explanation(NamedTuple):
     robots: Mapping[str, tuple[str, ...]] = {}
 
     def text(self) -> str:
-        """Return the explanation as lines for people."""
         if self.active:
             losses = ", ".join(map(self._named, self.single_losses)) or "no single input"
             others = sorted(set(self.robots) - set(self.single_losses))
@@ -181,7 +174,6 @@ class Sets:
         self._missing: dict[str, tuple[list[Group], bool]] = {}
 
     def value(self, one: Guarantee) -> int:
-        """Return the truth value of a guarantee."""
         if any(map(self._true.issuperset, one.paths)):
             return TRUE
         return UNKNOWN if any(map(self._not_false.issuperset, one.paths)) else FALSE
@@ -193,25 +185,21 @@ class Sets:
         return self._missing[one.id]
 
     def _lacking(self, one: Guarantee) -> tuple[list[Group], bool]:
-        true = self._true
-        left = [tuple([name for name in path if name not in true]) for path in one.paths]
-        return _minimal(left), False
+        """Return the groups that contain no other one, by size, then by ids."""
+        rests = {tuple([name for name in path if name not in self._true]) for path in one.paths}
+        kept: list[Group] = []
+        inside: list[frozenset[str]] = []
+        for group in sorted(rests, key=lambda rest: (len(rest), rest)):
+            names = frozenset(group)
+            if not any(map(names.issuperset, inside)):
+                kept.append(group)
+                inside.append(names)
+        return kept, False
 
     def single_losses(self, one: Guarantee) -> Group:
         """Return the inputs whose single loss makes a TRUE guarantee not TRUE, by id."""
-        first, *others = self._true_paths(one)
+        first, *others = [path for path in one.paths if self._true.issuperset(path)]
         return tuple(sorted(set(first).intersection(*others)))
-
-    def loss_sets(self, one: Guarantee) -> tuple[list[Group], bool]:
-        """Return the minimal sets of TRUE inputs whose loss ends it, and "truncated"."""
-        cuts: list[Group] = [()]
-        truncated = False
-        for path in self._true_paths(one):
-            grown = [tuple(sorted({*cut, name})) for cut in cuts for name in path]
-            cuts = _minimal(grown, MAX_SETS + 1)
-            truncated = truncated or len(cuts) > MAX_SETS
-            del cuts[MAX_SETS:]
-        return cuts, truncated
 
     def granting(self, one: Guarantee) -> Group:
         """Return the TRUE inputs that a guarantee can rest on."""
@@ -220,22 +208,3 @@ class Sets:
     def blocking(self, one: Guarantee) -> frozenset[str]:
         """Return the inputs that keep a guarantee from being TRUE."""
         return frozenset(name for group in self.missing(one)[0] for name in group)
-
-    def _true_paths(self, one: Guarantee) -> list[Group]:
-        return [path for path in one.paths if self._true.issuperset(path)]
-
-
-def _minimal(groups: list[Group], most: int = 0) -> list[Group]:
-    """Return the groups that contain no other one, by size, then by ids; 0: however many."""
-    if len(groups) < 2:
-        return groups
-    kept: list[Group] = []
-    inside: list[frozenset[str]] = []
-    for group in sorted(set(groups), key=lambda one: (len(one), one)):
-        names = frozenset(group)
-        if not any(map(names.issuperset, inside)):
-            kept.append(group)
-            inside.append(names)
-            if len(kept) == most:
-                break
-    return kept

@@ -31,7 +31,6 @@ class Expression(Conditions):
         self.reset()
 
     def reset(self) -> None:
-        """Forget everything of former steps."""
         self.reason = ""
         self.forget_messages()
         self.restart()
@@ -78,8 +77,9 @@ class Expression(Conditions):
                 elif isinstance(value, list):  # of a list each that the monitor knows
                     value = [one if one in check[1:] else None for one in value]
                 else:
-                    tells = [_told(message, one) for one in check[1:]]
-                    value = given(value, *tells)
+                    pairs = [(one, isinstance(one, tuple)) for one in check[1:]]
+                    known = [(follow(message, k[0]), *k[1:]) if path else k for k, path in pairs]
+                    value = given(value, *known)
         except NotGivenError:
             self.reason = self.reason or UNTOLD
             return None
@@ -118,12 +118,7 @@ def read_path(message: object, path: Path) -> object:
     return value if to_sec is None else to_sec()
 
 
-def _told(message: object, known: Any) -> object:
-    return (follow(message, known[0]), *known[1:]) if isinstance(known, tuple) else known
-
-
 def _is_measurement(message: object, value: Any, check: Check) -> bool:
-    """Return whether a message marks a value of it as measured."""
     if check[0] == "unless":
         return bool(follow(message, check[1]) != check[2])
     low, high = (follow(message, path) for path in check[1:])

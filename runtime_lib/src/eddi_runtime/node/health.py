@@ -7,11 +7,9 @@ import time
 from collections import deque
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from ..inputs import EDDIInputBase
+from ..inputs import UNKNOWN_AGE, EDDIInputBase
 from ..monitor import Monitor, Tree, __version__
 from ..plain_values import is_nan, one_line, read
-from .loop import LOG, Waker
-from .receipts import Receipt
 from .report import (
     FRESH,
     INVALID,
@@ -28,6 +26,8 @@ from .report import (
     level_of,
     report,
 )
+from .start import LOG, Waker
+from .topics import Receipt
 
 PERIOD_S = 1.0  # between two reports without a new level
 _CALM_S = 0.1  # between two reports, so that a level that flaps does not flood the topic
@@ -90,18 +90,14 @@ class Health:
         changed = self._changes.note(output) or kinds != self._kinds
         if changed or now - self._asked_at >= _REFRESH_S:
             self._kinds, self._asked_at = kinds, now
-            self._known = self._asked(kinds)
+            pairs, one = zip(self._inputs, kinds), self._monitor
+            unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
+            facts = tuple(one.standings()), tuple(one.accepted()), dict(one.blocked(unknown))
+            self._known = MonitorFact(*facts, tuple(one.doubts()))
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
         self._level = level_of(kinds, error, self._known.accepted + self._known.doubts)
         return self._level != before
-
-    def _asked(self, kinds: Sequence[str]) -> MonitorFact:
-        pairs = zip(self._inputs, kinds)
-        unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
-        one = self._monitor
-        standings, accepted = tuple(one.standings()), tuple(one.accepted())
-        return MonitorFact(standings, accepted, dict(one.blocked(unknown)), tuple(one.doubts()))
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""
@@ -125,13 +121,11 @@ class Health:
             state, reason = (NEVER, "") if known is None else (known.state, known.reason)
             present = [receipts[name] for name in spec.requires if name in receipts]
             if spec.id in faults and state in (FRESH, INVALID):
-                state, reason = (
-                    INVALID,
-                    faults[spec.id] if state == FRESH else reason,
-                )
+                reason = faults[spec.id] if state == FRESH else reason
+                state = INVALID
             elif state == FRESH and is_nan(read(self._eddi_input, spec.attribute, spec.id)):
                 state, reason = INVALID, "the value is NaN"
-            elif state == FRESH and any(receipt.latched for receipt in present):
+            elif state == FRESH and any(one.age == UNKNOWN_AGE for one in present):
                 state = LATCHED
             elif state == NEVER and waiting:
                 state = WAITING
@@ -226,7 +220,6 @@ class Diagnostics:
         return changed
 
     def start(self) -> None:
-        """Begin to report."""
         threading.Thread(target=self._run, name="diagnostics", daemon=True).start()
 
     def stop(self) -> None:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import threading
 from typing import Any, Callable
 
-from .loop import LOG, Ending, Waker
 from .node import Node
+from .start import LOG, Ending, Waker
 
 _STEP_S = 5.0  # a step that takes longer is left behind when the node is deactivated
 
@@ -44,7 +44,15 @@ class LifeCycle:
             self._place.start()
             while not self.ending.begun:
                 self._waker.wait(threading.TIMEOUT_MAX)
-                self._step()
+                active: Any = self._active
+                if active is None:
+                    continue
+                if self.ending.begun:  # before it could be told
+                    active.ending.begin()
+                active.run(lambda: None)
+                active.withdraw()
+                self._active = None
+                self._idle.set()
         return self.ending.status
 
     def _stop(self) -> None:
@@ -52,16 +60,6 @@ class LifeCycle:
         if active is not None:
             active.ending.begin()
         self._waker.wake()
-
-    def _step(self) -> None:
-        active: Any = self._active
-        if active is not None:
-            if self.ending.begun:  # before it could be told
-                active.ending.begin()
-            active.run(lambda: None)
-            active.withdraw()
-            self._active = None
-            self._idle.set()
 
     def configure(self) -> None:
         """Have a monitor, and publishers that do not send yet; nothing if that fails."""
@@ -74,13 +72,11 @@ class LifeCycle:
             raise
 
     def prepare(self) -> None:
-        """Have a monitor that knows nothing."""
         if not self._idle.is_set():
             raise RuntimeError("the last step has not ended yet")
         self._next = self._next or self._make()
 
     def activate(self) -> None:
-        """Let it listen and step."""
         self._active, self._next = self._next, None
         self._idle.clear()
         self._waker.wake()
@@ -96,6 +92,5 @@ class LifeCycle:
         self._place.stop_listening()
 
     def clean_up(self) -> None:
-        """Have nothing."""
         self._next = None
         self._place.stop_publishing()

@@ -15,12 +15,22 @@ from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Steps, __version__
 from ..plain_values import one_line
 from .health import Diagnostics, Health, Status
-from .loop import LOG, Ending, Schedule, Waker
-from .outputs import Converter, MessageError, Output, Publications, Publish, check_outputs, each
 from .pasted import PASTED, understood
-from .receipts import Input, Receipt, Receipts, Silence
 from .report import GraphFact
-from .start import STARTUP_GRACE_S, Settings
+from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, Waker
+from .topics import (
+    Converter,
+    Input,
+    MessageError,
+    Output,
+    Publications,
+    Publish,
+    Receipt,
+    Receipts,
+    Silence,
+    check_outputs,
+    each,
+)
 
 if TYPE_CHECKING:  # travels where a monitor is one of a fleet
     from ..peers import Fleet
@@ -28,8 +38,8 @@ if TYPE_CHECKING:  # travels where a monitor is one of a fleet
 __all__ = ["Node"]
 
 
-class _Nothing:
-    """An input of which nothing is known: every evidence is UNKNOWN."""
+_NOTHING = object()
+"""An input of which nothing is known: every evidence is UNKNOWN."""
 
 
 class Node:
@@ -134,13 +144,11 @@ class Node:
         return self._converter.messages(self._core.message(eddi_output))
 
     def init_publisher(self) -> None:
-        """Advertise every output topic."""
         self._publications = Publications(self.OUTPUTS, self.advertise)
         if self.FLEET is not None:
             self._tell = self.advertise(Output("", self.FLEET.topic, self.FLEET.type))
 
     def init_subscriber(self) -> None:
-        """Subscribe to every input topic."""
         for source in self._sources:
             self.subscribe(source)
 
@@ -178,7 +186,6 @@ class Node:
         self._level_changed()
 
     def ros_main(self) -> None:
-        """Run steps until the node ends."""
         self._schedule.start(time.monotonic())
         while not self.ending.begun:
             self._waker.wait(self._schedule.wait_s(time.monotonic()))
@@ -256,7 +263,7 @@ class Node:
         """Publish what holds when nothing is known, by our own code only, and return it."""
         output = None
         try:
-            output = self._core.execute_step(_Nothing(), self.now_ns())
+            output = self._core.execute_step(_NOTHING, self.now_ns())
             if self._publications is not None:
                 self._publish_all(self._publications, Node.create_ros_msg(self, output))
             self._health.log_error("output", "")
@@ -271,7 +278,6 @@ class Node:
         return Status(self._health.collect(*facts, periodic=periodic), title, name)
 
     def log_start(self) -> None:
-        """Log which monitor begins."""
         core, folder = self._core, Path(__file__).resolve().parents[1]
         unlimited = [spec.id for spec in core.inputs if spec.max_age is None]
         text = "monitor of %s (%s), model digest %s, eddi_runtime %s from %s,"
@@ -284,7 +290,7 @@ class Node:
     def prepare(self) -> None:
         """Do what can fail before anything is registered (MessageError)."""
         self.eddi_input.bind(self._core.inputs)
-        result = self._core.message(self._core.execute_step(_Nothing()))
+        result = self._core.message(self._core.execute_step(_NOTHING))
         try:
             check_outputs(self._converter, result, self._core, self.OUTPUTS)
             if self._peers is not None:

@@ -30,7 +30,6 @@ class SourceFact(NamedTuple):
     reason: str = ""  # what the transport knows of it, else empty
 
     def explained(self, text: str) -> str:
-        """Return a text with what the transport knows."""
         return f"{text} ({self.reason})" if self.reason else text
 
 
@@ -110,9 +109,13 @@ def report(
     identity: Mapping[str, str], inputs: Sequence[InputFact], monitor: MonitorFact, node: NodeFact
 ) -> Report:
     """Put the facts into one status; ``identity`` are pairs that never change."""
-    findings = [*_of_inputs(inputs, node.graph), *_of_node(node)]
-    findings += [(WARN, f"accepted: {text}") for text in monitor.accepted]
-    findings += [(WARN, text) for text in monitor.doubts]
+    findings = [*_of_inputs(inputs, node.graph)]
+    findings += [(ERROR, node.error)] if node.error else []
+    if node.silent_for is not None:
+        findings.append((ERROR, f"no step for {node.silent_for:.1f} s"))
+    warnings = [f"{node.recent_overruns} steps left out"] if node.recent_overruns else []
+    warnings += [*node.graph.warnings, *(f"accepted: {text}" for text in monitor.accepted)]
+    findings += [(WARN, text) for text in (*warnings, *monitor.doubts)]
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     by_id = {fact.id: fact for fact in inputs}
     values = list(identity.items())
@@ -120,7 +123,13 @@ def report(
         key = f"{one.what}.{one.id}" if one.what else one.id
         values.append((key, standing_text(one, by_id)))
     for fact in inputs:
-        values += _input_values(fact)
+        age = "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
+        pairs = [("age_s", age), ("received", str(fact.received)), ("errors", str(fact.errors))]
+        pairs += [("max_age", "no limit")] if fact.limit == "none" else []
+        pairs += [("blocks", ", ".join(fact.blocks))] if fact.blocks else []
+        reason = "" if fact.state == FRESH else because(fact)
+        pairs += [("reason", reason)] if reason else []
+        values += [(fact.id, fact.state), *((f"{fact.id}.{key}", text) for key, text in pairs)]
     values += [(f"accepted.{k}", text) for k, text in enumerate(monitor.accepted)]
     values += [("steps", str(node.steps)), ("overruns", str(node.overruns))]
     values += [("longest_step_ms", f"{node.longest_step * 1e3:.3f}"), *node.graph.values]
@@ -176,26 +185,3 @@ def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[tuple[
             for topic in mistaken:
                 wrong.pop(topic, None)
     yield from ((ERROR, f"{topic}: {text}") for topic, text in wrong.items())
-
-
-def _of_node(node: NodeFact) -> Iterator[tuple[int, str]]:
-    if node.error:
-        yield ERROR, node.error
-    if node.silent_for is not None:
-        yield ERROR, f"no step for {node.silent_for:.1f} s"
-    if node.recent_overruns:
-        yield WARN, f"{node.recent_overruns} steps left out"
-    yield from ((WARN, text) for text in node.graph.warnings)
-
-
-def _input_values(fact: InputFact) -> Iterator[tuple[str, str]]:
-    yield fact.id, fact.state
-    yield f"{fact.id}.age_s", "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
-    yield f"{fact.id}.received", str(fact.received)
-    yield f"{fact.id}.errors", str(fact.errors)
-    if fact.limit == "none":
-        yield f"{fact.id}.max_age", "no limit"
-    if fact.blocks:
-        yield f"{fact.id}.blocks", ", ".join(fact.blocks)
-    if fact.state != FRESH and (reason := because(fact)):
-        yield f"{fact.id}.reason", reason

@@ -1,13 +1,22 @@
-"""Everything before a node is seen by others: what cannot work ends here, with the reason."""
+"""A node from its settings to its end: what cannot work ends before others see it.
+
+Only the monotonic clock counts for steps: ``rospy.Rate`` sleeps forever under simulated time
+without ``/clock``, and raises when that jumps back.
+"""
 
 from __future__ import annotations
 
+import collections
+import contextlib
 import math
 import os
 import signal
 import sys
+import threading
+import time
 from contextlib import contextmanager, suppress
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+from functools import partial
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
 from ..monitor import ModelError
 
@@ -118,16 +127,170 @@ def settings(
 
     ``choices``: parameter that only the transport has -> its words, the default first.
     """
-    default = Settings(frequency, startup_grace=startup_grace)
-    values: dict[str, Any] = {name: given.get(name, getattr(default, name)) for name in _RULES}
-    words: dict[str, Any] = {name: given.get(name, known[0]) for name, known in choices.items()}
-    expected = {name: text for name, (text, fits) in _RULES.items() if not fits(values[name])}
-    unknown = [name for name, word in words.items() if word not in choices[name]]
-    expected.update((name, " or ".join(choices[name])) for name in unknown)
-    both = {**values, **words}
-    wrong = [f"parameter ~{n}: {text} expected, got {both[n]!r}" for n, text in expected.items()]
+    rules = {**_RULES}
+    defaults = Settings(frequency, startup_grace=startup_grace)._asdict()
+    for name, words in choices.items():
+        rules[name], defaults[name] = (" or ".join(words), words.__contains__), words[0]
+    values: dict[str, Any] = {name: given.get(name, defaults[name]) for name in rules}
+    wrong = [
+        f"parameter ~{name}: {text} expected, got {values[name]!r}"
+        for name, (text, fits) in rules.items()
+        if not fits(values[name])
+    ]
     if wrong:
         raise StartError("; ".join(wrong))
     for name in ("frequency", "watchdog_period", "startup_grace"):
         values[name] = float(values[name])
-    return Settings(**values, words=words)
+    return Settings(**{k: values[k] for k in _RULES}, words={k: values[k] for k in choices})
+
+
+class Waker:
+    """Lets the loop sleep until a deadline or until somebody wakes it.
+
+    A lock as a binary semaphore: a signal handler must be able to wake a loop in its own thread,
+    where ``threading.Event.set`` may deadlock.
+    """
+
+    def __init__(self) -> None:
+        self._signal = threading.Lock()
+        self._signal.acquire()
+
+    def wake(self) -> None:
+        """End the present (or the next) wait; any number of calls count as one."""
+        # Released already: woken, but not yet noticed, and one step takes it all.
+        with contextlib.suppress(RuntimeError):
+            self._signal.release()
+
+    def wait(self, seconds: float) -> bool:
+        """Sleep for at most ``seconds``; ``True`` when woken before."""
+        if seconds <= 0.0:
+            return self._signal.acquire(blocking=False)
+        return self._signal.acquire(timeout=min(seconds, threading.TIMEOUT_MAX))
+
+
+class Schedule:
+    """The grid of steps: one per period, late ones are counted and not made up.
+
+    ``on_change``: steps may also come early; then the period counts from the last step.
+    """
+
+    def __init__(self, period: float, on_change: bool) -> None:
+        self.period = period
+        self.overruns = 0
+        self._on_change = on_change
+        self._due = 0.0
+
+    def start(self, now: float) -> None:
+        """Begin the grid: the next step is due one period after ``now``."""
+        self._due = now + self.period
+
+    def wait_s(self, now: float) -> float:
+        """Return the seconds until the next step, never negative."""
+        return max(0.0, self._due - now)
+
+    def stepped(self, started: float, now: float) -> None:
+        """Note a finished step that began at ``started`` (monotonic seconds)."""
+        following = started + self.period if self._on_change else self._due + self.period
+        if following <= now:
+            missed = int((now - following) / self.period) + 1
+            self.overruns += missed
+            following += missed * self.period
+        self._due = following
+
+
+_KEPT = 500
+_Line = Tuple[str, str, Tuple[object, ...]]
+LEVELS = ("info", "warn", "error")
+"""For the record; something needs attention; something is broken."""
+Writers = Mapping[str, Callable[..., None]]
+"""Level -> writes a text with its values, as ``logging`` does."""
+
+
+class Log:
+    """Keeps lines until its own thread has written them, so that no transport can stop a monitor.
+
+    The oldest lines are dropped when it hangs.
+    """
+
+    def __init__(self) -> None:
+        self.named = False  # lines begin with the name of their thread: it is that of a monitor
+        # Appending to a deque takes no lock, so a signal handler may log as well.
+        self._lines: collections.deque[_Line] = collections.deque(maxlen=_KEPT)
+        self._waker = Waker()
+        self._busy = False
+        self._dropped = 0
+        self.info, self.warn, self.error = (partial(self._put, level) for level in LEVELS)
+
+    def start(self, write: Writers) -> None:
+        """Begin to write; what was said before is written now."""
+        threading.Thread(target=self._run, args=[write], name="log", daemon=True).start()
+
+    def flush(self, seconds: float) -> None:
+        """Wait until everything is written, but not longer than this."""
+        end = time.monotonic() + seconds
+        while (self._lines or self._busy) and time.monotonic() < end:
+            time.sleep(0.005)
+
+    def _put(self, level: str, text: str, *values: object) -> None:
+        if self.named:
+            text = f"{threading.current_thread().name}: {text}"
+        self._dropped += len(self._lines) == _KEPT
+        self._lines.append((level, text, values))
+        self._waker.wake()
+
+    def _run(self, write: Writers) -> None:
+        while True:
+            self._waker.wait(threading.TIMEOUT_MAX)
+            self._busy = True
+            while self._lines:
+                level, text, values = self._lines.popleft()
+                with contextlib.suppress(Exception):  # a broken pipe ends this line, not the log
+                    write[level](text, *values)
+            if self._dropped:
+                dropped, self._dropped = self._dropped, 0
+                write["warn"]("%d log lines were dropped", dropped)
+            self._busy = False
+
+
+LOG = Log()  # one per process
+
+
+GRACE_S = 1.5
+_FLUSH_S = 0.3
+
+
+class Ending:
+    """The end of the process: once, soon, with a status; a guard limits what talks meanwhile."""
+
+    def __init__(self) -> None:
+        self.begun = False  # the node must publish nothing more
+        self.status = 0  # exit status
+        self._stops: list[Callable[[], None]] = []
+        self._waker = Waker()
+
+    def on_end(self, stop: Callable[[], None]) -> None:
+        """Have something stopped first; it may run in a signal handler and must return at once."""
+        self._stops.append(stop)
+        if self.begun:  # already, or between the two lines
+            stop()
+
+    def install(self) -> None:
+        """Guard the end: when it takes too long, the process ends without it."""
+        threading.Thread(target=self._guard, name="end guard", daemon=True).start()
+
+    def begin(self) -> None:
+        self.begun = True
+        self._waker.wake()
+        for stop in self._stops:
+            stop()
+
+    def wait(self) -> None:
+        LOG.flush(_FLUSH_S)
+
+    def _guard(self) -> None:
+        while not self._waker.wait(threading.TIMEOUT_MAX):
+            pass
+        time.sleep(GRACE_S)
+        with contextlib.suppress(Exception):
+            sys.stdout.flush()
+        os._exit(self.status)

@@ -66,7 +66,6 @@ class Chain:
         self.reset()
 
     def look(self, belief: Belief, at: int) -> Look:
-        """Return what lies ahead of a belief, not divided by its weight."""
         failed, alive, lives = zip(*self.rows(at))
         mean = sum([w * life for w, life in zip(belief, lives) if life < math.inf])
         endless = sum([w for w, life in zip(belief, lives) if life == math.inf])
@@ -78,28 +77,22 @@ class Chain:
 
     @property
     def belief(self) -> list[float]:
-        """The distribution over the states now."""
         whole = sum(belief := self.weights())
         return [weight / whole for weight in belief]
 
     def weights(self) -> Belief:
-        """Return the belief as it is, of any weight."""
         return self._belief
 
     def believe(self, belief: Belief) -> None:
-        """Take another belief over the states."""
         self._belief: Belief = belief
 
     def sure_of(self, state: int) -> list[float]:
-        """Return the belief in one state alone."""
         return [float(one == state) for one in range(self.states)]
 
     def reset(self) -> None:
-        """Return to the start of the mission."""
         self.believe(self.first)
 
     def after(self, beliefs: list[Belief], quanta: int) -> list[Belief]:
-        """Return several beliefs when time has passed unobserved."""
         if quanta == 1:
             return [self.quantum(belief) for belief in beliefs]
         self._powers = self._powers or [
@@ -111,7 +104,12 @@ class Chain:
 
     def bounds(self, beliefs: list[Belief], at: int, reason: str = "") -> Estimate:
         """Return what lies ahead at a prepared horizon if one of several beliefs is right."""
-        failed, alive, lives = zip(*[_divided(self.look(belief, at)) for belief in beliefs])
+        rows: list[Row] = []
+        for belief in beliefs:
+            failing, living, mean, endless, weight = self.look(belief, at)
+            life = math.inf if endless > 0.0 else mean / weight
+            rows.append((min(failing / weight, 1.0), living / weight, life))
+        failed, alive, lives = zip(*rows)
         return Estimate(min(failed), max(failed), min(alive), min(lives), (), reason)
 
     def bounded(self, seen: Seen, at: int, reason: str = "") -> Estimate:
@@ -127,7 +125,6 @@ class Chain:
         return Estimate(*found, seen.unknown, reason)
 
     def step(self, moment: Moment, seen: Seen) -> Estimate:
-        """Let time pass, keep the states that are consistent with the inputs, look ahead."""
         at = moment[4]
         failed, alive, mean, endless, weight = self.moved(moment[0], at, seen)
         reason = ""
@@ -158,9 +155,3 @@ class Chain:
             return True
         self.believe(self.sure_of(worst))
         return False
-
-
-def _divided(look: Look) -> Row:
-    failed, alive, mean, endless, weight = look
-    life = math.inf if endless > 0.0 else mean / weight
-    return min(failed / weight, 1.0), alive / weight, life

@@ -76,7 +76,6 @@ class Component:
     said: Mapping[str, str] = NOTHING
 
     def report_fault(self, name: str, text: str) -> None:
-        """Say what is wrong with the value of an input."""
         said: dict[str, str] = {**self.said, name: text}
         self.said = said
 
@@ -121,7 +120,6 @@ class Rule(NamedTuple):
     length: int = 0  # of a list
 
     def divided(self, num: int, den: int) -> Rule:
-        """Return the rule of a number that is given in another unit."""
         high = self.high if self.high == FINITE else self.high * den / num
         return self._replace(low=self.low * den / num, high=high, slack=self.slack * den / num)
 
@@ -214,7 +212,6 @@ class Explanation(NamedTuple):
     ignored: Mapping[str, int]
 
     def text(self) -> str:
-        """Return the explanation as lines for people."""
         one = self.result
         bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
         shown = bounds if one.p_fail_low != one.p_fail_high else ""

@@ -25,7 +25,6 @@ class Arrhenius(NamedTuple):
         return math.exp(min(self.energy / BOLTZMANN * warmer, _HOTTEST))
 
     def limit(self, name: str) -> Limit:
-        """Return the range of a temperature input."""
         return Limit(name, self.hottest, f"t_max ({self.hottest:g} degC)")
 
 
@@ -52,5 +51,4 @@ class Limit:
         return value, value <= self._largest
 
     def reset(self) -> None:
-        """Trust the limit again."""
         self._worst = self._largest

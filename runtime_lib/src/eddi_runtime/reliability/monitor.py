@@ -58,7 +58,6 @@ class Reliability(Monitor[ReliabilityResult]):
         self.reset()
 
     def _read(self, source: object) -> dict[str, Taken]:
-        """Return the value of each input, None where it is not known; never raises."""
         return self._believed([read(source, spec.attribute, spec.id) for spec in self._sources])
 
     def _believed(self, raws: Sequence[object]) -> dict[str, Taken]:
@@ -184,7 +183,6 @@ class Reliability(Monitor[ReliabilityResult]):
         return (one.reason,) if one.valid and one.reason and decides else ()
 
     def importances(self) -> tuple[Importance, ...]:
-        """Return how much each event of the top fault tree matters now; empty for other models."""
         return self.components[self.top].importances()
 
     def explain(self) -> Explanation:
@@ -242,7 +240,6 @@ class Reliability(Monitor[ReliabilityResult]):
         }
 
     def _refused(self) -> ReliabilityResult:
-        """Return the worst case, in place of what is no result."""
         return self._result._replace(
             valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0, mttf=NAN,
             evidence={one.threshold.id: False for one in self._evidence},

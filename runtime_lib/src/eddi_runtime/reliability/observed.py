@@ -25,7 +25,6 @@ class Missed:
         self.lost = lost  # it may have been seen to fail, and not to work again
 
     def step(self, moment: Moment, seen: Seen) -> Estimate:
-        """Let time pass, keep what is consistent with each completion, look ahead."""
         moved = self._chain.after(self.beliefs, moment.quanta)
         kept: list[Belief] = []
         reason = INCONSISTENT

@@ -24,7 +24,6 @@ class Rows:
         self._rows = rows
 
     def rows(self, at: int) -> Sequence[Row]:
-        """Return what lies ahead of each state."""
         return self._rows
 
 

@@ -104,7 +104,6 @@ class FaultTree(Component):
         return Estimate(best, worst, alive, NAN, tuple(dict.fromkeys(unknown)), reason)
 
     def probability(self, low: list[float], high: list[float]) -> tuple[float, float, float]:
-        """Return the top event's probability at least and at most, and that of its opposite."""
         if high is low:
             p = self.failure(low)
             alive = 1.0 - p if p <= 0.5 else self.survival(low)

@@ -1,9 +1,8 @@
 """SafeML: does the running window of inputs still look like its reference? (SESAME D7.2 3.4)."""
 
-from .arrays import Table
+from .arrays import Axes, Table
+from .comparison import Interpolated, Kolmogorov
 from .monitor import OneTest, SafeML, SafeMLResult
-from .samples import Axes
-from .statistics import Interpolated, Kolmogorov
 
 FORMAT = 1
 

@@ -11,10 +11,8 @@ from ..history import Messages
 from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Monitor, Standing, Tree, finite
 from ..plain_values import Absent, read
-from .arrays import NUMPY, Array, Numbers, array_of, torch_or_numpy
-from .comparison import Comparison, Window
-from .samples import Axes, take
-from .statistics import Tail
+from .arrays import NUMPY, Array, Axes, Numbers, array_of, take, torch_or_numpy
+from .comparison import Comparison, Tail, Window
 
 FILLING = "filling"
 STALE = "stale"
@@ -54,7 +52,6 @@ class OneTest(NamedTuple):
     weights: tuple[tuple[int, float], ...] = ()
 
     def __str__(self) -> str:
-        """Return one line for people."""
         relation = ">=" if self.violated else "<"
         features = ", ".join(f"feature {k} ({weight:+.2f})" for k, weight in self.weights)
         mostly = f"; mostly {features}" if features else ""
@@ -131,9 +128,12 @@ class SafeML(Monitor[SafeMLResult]):
             self._last = self._result(STALE)
             return self._last
         value: Any = read(eddi_input, self.inputs[0].attribute, self.inputs[0].id)
-        if self._too_old(now or 0):
-            self._clear()
-            self._last = self._result(STALE)
+        if self._accepted_ns is not None and self.max_age is not None:
+            self._accepted_ns = min(self._accepted_ns, now or 0)
+            age = ((now or 0) - self._accepted_ns) / 1e9
+            if age > self.max_age * (1 + 1e-9) and self._window.filled > 0:
+                self._clear()
+                self._last = self._result(STALE)
         if value is None or isinstance(value, Absent):
             self._fault = ""
             self._last = self._result(FILLING if self._accepted_ns is None else STALE)
@@ -173,13 +173,6 @@ class SafeML(Monitor[SafeMLResult]):
             reason != "", violation, self.significance_level, value, self._value,
             self._theoretical, test, bound, self._accepted, self._rejected, reason,
         )  # fmt: skip
-
-    def _too_old(self, now: int) -> bool:
-        if self._accepted_ns is None or self.max_age is None:
-            return False
-        self._accepted_ns = min(self._accepted_ns, now)
-        age = (now - self._accepted_ns) / 1e9
-        return age > self.max_age * (1 + 1e-9) and self._window.filled > 0
 
     def _clear(self) -> None:
         self._window.clear()

@@ -1,8 +1,8 @@
 """A transport that takes messages as they are: uses what all transports share."""
 
 from ...node.health import Health  # noqa: TID252 - the folder is vendored
-from ...node.receipts import Receipt  # noqa: TID252 - the same
 from ...node.report import GraphFact  # noqa: TID252 - the same
+from ...node.topics import Receipt  # noqa: TID252 - the same
 
 
 def step(monitor, eddi_input, messages, now=0.0):

@@ -31,9 +31,8 @@ from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from ...node.loop import LOG
 from ...node.publications import reading_qos, writing_qos
-from ...node.start import StartError
+from ...node.start import LOG, StartError
 from .messages import message_classes
 
 Receive = Callable[[Any, bool], None]
@@ -154,7 +153,6 @@ class Graph:
         self._info: Any = DataWriter(participant, info, writing({}, 1))
 
     def writer(self, topic: str, cls: Any, qos: Qos) -> Callable[[Any], None]:
-        """Return what writes to a ROS topic."""
         self._writers[topic] = DataWriter(self._publisher, self._topic(topic, cls), told(cls, qos))
 
         def write(message: Any) -> None:
@@ -173,7 +171,6 @@ class Graph:
         return Topic(self._participant, _PREFIX + topic, cls)
 
     def start(self) -> None:
-        """Begin to receive, and tell the graph the name of the node."""
         self._tell([reader.reader for reader in self._readers.values()], [*self._writers.values()])
         self._thread.start()
 
@@ -209,7 +206,6 @@ class Graph:
             waiting.detach(condition)
 
     def publications(self) -> list[Publication]:
-        """Return every publication of a ROS topic in the domain that is known now."""
         with self._use:
             if self._stopped:
                 return []

@@ -7,12 +7,13 @@ exactly the length of the message that was made of them, and a Boolean must be 0
 from __future__ import annotations
 
 import time
+from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any, Callable, Mapping
 
 from cyclonedds.idl import make_idl_struct, types
 
-from ...node.outputs import Converter, MessageClasses
+from ...node.topics import Converter, MessageClasses
 
 _PRIMITIVES: Mapping[str, tuple[Any, Callable[[], object]]] = {
     "bool": (bool, bool),
@@ -127,17 +128,10 @@ def stamp() -> object:
     return OWN.builtin_interfaces_Time(sec=seconds, nanosec=rest)
 
 
-def _fields(cls: Any) -> Any:
-    return cls.FIELDS.items()
-
-
-def _type(message: Any) -> str:
-    return str(message.TYPE)
-
-
 def converter(messages: SimpleNamespace, package: str = "eddi_messages") -> Converter:
     """Return what makes those of a package of what ``message_classes`` returned."""
     begin = f"{package}_"
     own = {name[len(begin) :]: of for name, of in vars(messages).items() if name.startswith(begin)}
     module: Any = SimpleNamespace(__name__=f"{package}.msg", **own)
-    return Converter(MessageClasses(module, _fields, _type, stamp))
+    classes = MessageClasses(module, lambda cls: cls.FIELDS.items(), attrgetter("TYPE"), stamp)
+    return Converter(classes)

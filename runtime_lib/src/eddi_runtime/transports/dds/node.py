@@ -16,13 +16,11 @@ from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
 from ...node.health import Status, diagnostics_tree
-from ...node.loop import LOG
 from ...node.node import Node
-from ...node.outputs import MessageError, Output, Publish
 from ...node.publications import fault
-from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
-from ...node.start import Settings, StartError, end_at_signals, settings, write_to_stderr
+from ...node.start import LOG, Settings, StartError, end_at_signals, settings, write_to_stderr
+from ...node.topics import MAX_QUEUED, Input, MessageError, Output, Publish, Topic
 from .graph import Graph, Publication, reading, writing
 from .messages import OWN, Unreadable, converter
 
@@ -42,11 +40,9 @@ class Arguments(NamedTuple):
 
     @property
     def full_name(self) -> str:
-        """Return the node's name with its namespace."""
         return f"{self.namespace.rstrip('/')}/{self.name}"
 
     def topic(self, name: str) -> str:
-        """Return the full name of a topic."""
         full = name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}"
         if name.startswith("~/"):
             full = f"{self.full_name}/{name[2:]}"
@@ -120,6 +116,8 @@ _DEPTH = 5
 class MonitorNode(Node):
     """Base class of the generated node."""
 
+    _graph: Graph  # that ``run`` joins
+
     def __init__(
         self,
         monitor: Steps,
@@ -129,14 +127,8 @@ class MonitorNode(Node):
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
         self._given = given or arguments([], self.NAME)
-        self._domain: Graph | None = None
         self._unreadable: dict[str, float] = {}
         self._clock: int | None = 0 if self._given.parameters.get("use_sim_time") is True else None
-
-    @property
-    def _graph(self) -> Graph:
-        assert self._domain is not None, "the node has not joined a graph"
-        return self._domain
 
     def topics(self) -> dict[str, str]:
         return {source.id: self._given.topic(source.topic) for source in self._sources}
@@ -185,11 +177,10 @@ class MonitorNode(Node):
         return Topic(name, expected, {ros_type(one.type) for one in found}, age, why)
 
     def run(self) -> int:
-        """Join the graph (StartError) and step until the end; return the exit status."""
         domain = domain_id(os.environ.get("ROS_DOMAIN_ID") or "0")
         given, distro = self._given, self.options.words["ros_distro"]
         partition = str(given.parameters.get("partition", ""))
-        self._domain = joined = Graph(domain, given.namespace, given.name, distro, partition)
+        self._graph = joined = Graph(domain, given.namespace, given.name, distro, partition)
         if self._clock is not None:
 
             def tick(message: Any, _: bool) -> None:

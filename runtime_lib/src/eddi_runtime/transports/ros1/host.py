@@ -21,14 +21,12 @@ from ... import ModelError
 from ...inputs import EDDIInputBase
 from ...monitor import Steps
 from ...node.health import Diagnostics, Status
-from ...node.loop import LOG, Waker
-from ...node.outputs import MessageError
 from ...node.report import ERROR, Report
-from ...node.start import StartError, end_at_signals
+from ...node.start import LOG, StartError, Waker, end_at_signals
+from ...node.topics import MessageError
 from ...plain_values import one_line
 from .node import MonitorNode, diagnostics_publisher, start_log
-from .process import RosEnding, node_name, options_of
-from .watchdog import TypeRefusals, Watchdog, watch
+from .process import RosEnding, TypeRefusals, node_name, options_of, watch
 
 
 class Host:
@@ -70,7 +68,6 @@ class Host:
         self._nodes[name] = node
 
     def run(self) -> int:
-        """Run all monitors until ROS ends the process; return the exit status as a node does."""
         end_at_signals()
         name = node_name(self._name)
         if not self._nodes:
@@ -87,29 +84,27 @@ class Host:
         start_log()
         LOG.named = True
         self._refusals.install()
-        self._begin(watch(options, self._ending, self._expected_types, self._report_now))
-        while not self._ending.begun:
-            ended.wait(threading.TIMEOUT_MAX)
-        self._ending.wait()
-        return self._ending.status
-
-    def _begin(self, watched: Watchdog | None) -> None:
+        watched = watch(options, self._ending, self._expected_types, self._report_now)
         diagnostics = Diagnostics(diagnostics_publisher())
         self._ending.on_end(diagnostics.stop)
         diagnostics.start()
         self._take_every_message()
-        for name, node in self._nodes.items():
-            threading.current_thread().name = name  # in the log
-            with self.starting(name):
+        for own_name, node in self._nodes.items():
+            threading.current_thread().name = own_name  # in the log
+            with self.starting(own_name):
                 node.share(self._ending, self._refusals, watched)
-                node.begin(name, diagnostics)
-                threading.Thread(target=node.ros_main, name=name, daemon=True).start()
-        for name, reason in self._failed.items():
+                node.begin(own_name, diagnostics)
+                threading.Thread(target=node.ros_main, name=own_name, daemon=True).start()
+        for failed, reason in self._failed.items():
             report = Report(ERROR, f"not started: {reason}", ())
-            status = Status(report, name.lstrip("/"), name)
+            status = Status(report, failed.lstrip("/"), failed)
             diagnostics.add(partial(lambda known, _: known, status))
         if watched is not None:
             watched.start()
+        while not self._ending.begun:
+            ended.wait(threading.TIMEOUT_MAX)
+        self._ending.wait()
+        return self._ending.status
 
     def _take_every_message(self) -> None:
         """Queue the messages of a topic for all monitors if one takes each."""

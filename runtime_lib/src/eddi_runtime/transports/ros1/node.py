@@ -9,8 +9,9 @@ from __future__ import annotations
 import threading
 import time
 from io import BytesIO
+from operator import attrgetter
 from types import ModuleType
-from typing import Any, Callable, Iterable, Mapping
+from typing import Any, Callable, Mapping
 
 import diagnostic_msgs.msg
 import rospy
@@ -19,14 +20,31 @@ import rospy.impl.paramserver
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import ModelError, Steps
 from ...node.health import Status, diagnostics_tree
-from ...node.loop import LOG
 from ...node.node import Node
-from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
-from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input, Receipts, Topic
 from ...node.report import GraphFact
-from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
-from .process import RosEnding, node_name, options_of
-from .watchdog import LOST, TypeRefusals, Watchdog, standing, watch
+from ...node.start import LOG, Settings, StartError, end_at_signals, write_to_stderr
+from ...node.topics import (
+    DEFAULT_BUFFER_BYTES,
+    MAX_QUEUED,
+    Converter,
+    Input,
+    MessageClasses,
+    MessageError,
+    Output,
+    Publish,
+    Receipts,
+    Topic,
+)
+from .process import (
+    LOST,
+    RosEnding,
+    TypeRefusals,
+    Watchdog,
+    node_name,
+    options_of,
+    standing,
+    watch,
+)
 
 _ROSOUT_SWITCH = "/rosout_disable_topics_generation"
 _MAX_PUBLISHERS = 32
@@ -47,13 +65,10 @@ def ros_type(message: object) -> str:
     return str(known._type)  # noqa: SLF001 - genpy's interface, in spite of its name
 
 
-def _fields(cls: Any) -> Iterable[tuple[str, str]]:
-    return zip(cls.__slots__, cls._slot_types)
-
-
 def converter(messages: ModuleType) -> Converter:
     """Return what makes messages of a package; rospy itself counts ``header.seq``."""
-    return Converter(MessageClasses(messages, _fields, ros_type, stamp))
+    fields = attrgetter("__slots__", "_slot_types")
+    return Converter(MessageClasses(messages, lambda cls: zip(*fields(cls)), ros_type, stamp))
 
 
 class Callback:
@@ -65,7 +80,6 @@ class Callback:
         self._lock = threading.Lock()
 
     def __call__(self, message: object) -> None:
-        """Store one message."""
         header = getattr(message, "_connection_header", None) or {}
         # rospy keeps one header object per connection: a new object means a first message.
         publisher = str(header.get("callerid", ""))
@@ -161,12 +175,11 @@ class MonitorNode(Node):
         watchdog, expected = self._watchdog, self.expected_types()
         state, seen, shared, published = "not watched", {}, set(), None
         if watchdog is not None:
-            state, seen = watchdog.state, dict(watchdog.wrong_types)
-            shared, published = watchdog.shared, watchdog.published
+            state, seen, shared = watchdog.state, dict(watchdog.wrong_types), watchdog.shared
+            published = None if state == LOST else watchdog.published
         refused, receipts = dict(self._refusals.heard), self._receipts.latest()
         wrong: dict[str, str] = {}
         warnings = ["ROS master lost"] if state == LOST else []
-        published = None if state == LOST else published
         for topic, (name, _) in expected.items():
             last = receipts[name].at if name in receipts else None
             text = standing(seen.get(topic), last) or standing(refused.get(topic), last)
@@ -186,7 +199,6 @@ class MonitorNode(Node):
         return found._replace(values=values, warnings=tuple(warnings), wrong_types=wrong)
 
     def run(self) -> int:
-        """Advertise, publish once, subscribe and loop; return the exit status."""
         self.ending.install()
         start_log()
         self._refusals.install()

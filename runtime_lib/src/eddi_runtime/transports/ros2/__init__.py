@@ -2,8 +2,7 @@
 
 import rclpy  # noqa: F401 - first: of all that may be missing, this tells most
 
-from ...node.outputs import Output
-from ...node.receipts import Input
+from ...node.topics import Input, Output
 from .node import MonitorNode
 
 __all__ = ["Input", "MonitorNode", "Output"]

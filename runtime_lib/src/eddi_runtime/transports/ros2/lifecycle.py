@@ -8,7 +8,7 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from rclpy.qos import QoSProfile
 
 from ...node.life_cycle import LifeCycle
-from ...node.loop import LOG
+from ...node.start import LOG
 from ...plain_values import one_line
 from .node import MonitorNode
 from .process import Process, Receive, declared
@@ -85,7 +85,6 @@ class ManagedProcess(Process):
         self.forget_signs()
 
     def stop_publishing(self) -> None:
-        """Advertise nothing more."""
         while self._publishers:
             self.node.destroy_lifecycle_publisher(self._publishers.popitem()[1])
 

@@ -20,12 +20,20 @@ from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
 from ...node.health import Status, diagnostics_tree
 from ...node.node import Node
-from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
-from ...node.publications import fault
-from ...node.receipts import MAX_QUEUED, Input, Topic
+from ...node.publications import fault, reading_qos, writing_qos
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
-from .process import Process, deadline, declared_settings, keeps, reading, refused, writing
+from ...node.topics import (
+    MAX_QUEUED,
+    Converter,
+    Input,
+    MessageClasses,
+    MessageError,
+    Output,
+    Publish,
+    Topic,
+)
+from .process import Process, deadline, declared_settings, keeps, profile, refused
 
 _SPELT = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "byte"}
 _SEQUENCE = re.compile(r"sequence<(.*?)(?:, (\d+))?>")
@@ -45,10 +53,6 @@ def msg_type(of: str) -> str:
     return _SPELT.get(of, of)
 
 
-def _fields(cls: Any) -> Iterable[tuple[str, str]]:
-    return ((name, msg_type(of)) for name, of in cls.get_fields_and_field_types().items())
-
-
 def ros_type(message: object) -> str:
     """Return ``package/Name`` of a message or of its class."""
     cls = message if isinstance(message, type) else type(message)
@@ -57,7 +61,11 @@ def ros_type(message: object) -> str:
 
 def converter(messages: ModuleType, stamp: Callable[[], object]) -> Converter:
     """Return what makes messages of a package (``eddi_messages.msg``)."""
-    return Converter(MessageClasses(messages, _fields, ros_type, stamp))
+
+    def fields(cls: Any) -> Iterable[tuple[str, str]]:
+        return ((name, msg_type(of)) for name, of in cls.get_fields_and_field_types().items())
+
+    return Converter(MessageClasses(messages, fields, ros_type, stamp))
 
 
 class MonitorNode(Node):
@@ -79,11 +87,12 @@ class MonitorNode(Node):
         return {name: topic for name, (topic, _) in dict(self._read).items()}
 
     def advertise(self, channel: Output) -> Publish:
-        qos = writing(channel.qos, self.options.queue_size)
+        qos = profile(writing_qos(channel.qos, self.options.queue_size))
         return self._process.publisher(channel.topic, channel.type, qos)
 
     def subscribe(self, source: Input) -> None:
-        qos = reading(source.qos, MAX_QUEUED if source.every_message else _DEPTH)
+        depth = MAX_QUEUED if source.every_message else _DEPTH
+        qos = profile(reading_qos(source.qos, depth))
         kept = keeps(qos)
 
         def receive(message: Any, sent: int | None) -> None:
@@ -132,19 +141,16 @@ class MonitorNode(Node):
         return Topic(name, expected, {one.type for one in known}, age, why)
 
     def run(self, begun: Callable[[], None]) -> None:
-        """Step until its end."""
         self.run_on(self._process.name, self.statuses, begun)
 
     def statuses(self) -> Callable[[list[Status]], None]:
-        """Return what publishes statuses."""
         messages: Any = diagnostic_msgs.msg
-        made = converter(messages, self._process.stamp)
-        publish = self._process.publisher("/diagnostics", messages.DiagnosticArray, writing({}, 1))
+        made, qos = converter(messages, self._process.stamp), profile(writing_qos({}, 1))
+        publish = self._process.publisher("/diagnostics", messages.DiagnosticArray, qos)
         return lambda rows: publish(made.message(diagnostics_tree(rows, lambda n: bytes([n]))))
 
     @classmethod
     def serve(cls, process: Any, make: Callable[[], MonitorNode]) -> int:
-        """Run a node until its process is to end; return the exit status."""
         node = make()
         node.prepare()
         with process.until(node.ending):

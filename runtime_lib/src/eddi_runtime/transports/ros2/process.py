@@ -10,6 +10,7 @@ import signal
 import sys
 import threading
 import time
+from functools import partial
 from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional
 
 import rclpy
@@ -23,9 +24,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
-from ...node.loop import LOG, Ending
-from ...node.publications import reading_qos, writing_qos
-from ...node.start import FREQUENCIES, Settings, StartError, settings
+from ...node.start import FREQUENCIES, LOG, Ending, Settings, StartError, settings
 from ...plain_values import one_line
 
 try:  # since Iron
@@ -82,17 +81,8 @@ _FOR_EVER_NS = 2**62
 """Whatever is longer: what counts as infinite depends on the middleware and the release."""
 
 
-def reading(given: Mapping[str, Any], depth: int) -> QoSProfile:
-    """Return how evidence is read: see :func:`reading_qos`."""
-    return _profile(reading_qos(given, depth))
-
-
-def writing(given: Mapping[str, Any], depth: int) -> QoSProfile:
-    """Return how results are written: see :func:`writing_qos`."""
-    return _profile(writing_qos(given, depth))
-
-
-def _profile(qos: Mapping[str, Any]) -> QoSProfile:
+def profile(qos: Mapping[str, Any]) -> QoSProfile:
+    """Return a quality of service as rclpy has it."""
     times = {k: Duration(seconds=qos[k]) for k in ("deadline", "lifespan") if k in qos}
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
@@ -110,18 +100,19 @@ def keeps(profile: QoSProfile) -> bool:
 
 def refused(reader: QoSProfile, writers: Iterable[QoSProfile]) -> str:
     """Return what of every writer is less than a reader asks for, empty when one fits."""
-    reasons = [_lacking(reader, writer) for writer in writers]
-    return reasons[0] if reasons and all(reasons) else ""
-
-
-def _lacking(reader: QoSProfile, writer: QoSProfile) -> str:
-    reliable = reader.reliability == ReliabilityPolicy.RELIABLE
-    if reliable and writer.reliability == ReliabilityPolicy.BEST_EFFORT:
-        return "the reliability"
-    if keeps(reader) and writer.durability == DurabilityPolicy.VOLATILE:
-        return "the durability"
-    asked, promised = deadline([reader]), deadline([writer])
-    return "the deadline" if asked and (promised is None or promised > asked) else ""
+    first, reliable = "", reader.reliability == ReliabilityPolicy.RELIABLE
+    asked = deadline([reader])
+    for writer in writers:
+        promised = deadline([writer])
+        if reliable and writer.reliability == ReliabilityPolicy.BEST_EFFORT:
+            first = first or "the reliability"
+        elif keeps(reader) and writer.durability == DurabilityPolicy.VOLATILE:
+            first = first or "the durability"
+        elif asked and (promised is None or promised > asked):
+            first = first or "the deadline"
+        else:
+            return ""
+    return first
 
 
 def deadline(writers: Iterable[QoSProfile]) -> float | None:
@@ -159,11 +150,9 @@ class Process:
         self._open = threading.RLock()
 
     def new_node(self, name: str) -> Any:
-        """Return the node of rclpy."""
         return rclpy.create_node(name)
 
     def new_publisher(self, topic: str, cls: Any, qos: QoSProfile) -> Any:
-        """Return a publisher of rclpy."""
         return self.node.create_publisher(cls, topic, qos)
 
     def publisher(self, topic: str, cls: Any, qos: QoSProfile) -> Callable[[Any], None]:
@@ -189,16 +178,13 @@ class Process:
         def changed(signs: Any) -> None:
             self._signs[topic] = signs
 
+        more: Any = {"qos_overriding_options": QoSOverridingOptions.with_default_policies()}
         taken = with_time if _TELLS_TIMES else without
-        more: dict[str, Any] = {}
-        more["qos_overriding_options"] = QoSOverridingOptions.with_default_policies()
-        events = SubscriptionEventCallbacks(liveliness=changed)
+        make = partial(self.node.create_subscription, cls, topic, taken, qos, **more)
         try:
-            return self.node.create_subscription(
-                cls, topic, taken, qos, event_callbacks=events, **more
-            )
+            return make(event_callbacks=SubscriptionEventCallbacks(liveliness=changed))
         except UnsupportedEventTypeError:  # of this middleware: nothing is told of signs of life
-            return self.node.create_subscription(cls, topic, taken, qos, **more)
+            return make()
 
     def alive(self, topic: str) -> bool | None:
         """Return whether a publisher of a topic gives signs of life, ``None`` if untold."""
@@ -206,7 +192,6 @@ class Process:
         return None if signs is None else signs.alive_count > 0 or not signs.not_alive_count
 
     def forget_signs(self) -> None:
-        """Forget who gave signs of life."""
         self._signs.clear()
 
     @contextlib.contextmanager
@@ -231,7 +216,6 @@ class Process:
             self.close()
 
     def start(self) -> None:
-        """Begin to receive."""
         self._thread.start()
 
     def _run(self) -> None:
@@ -261,13 +245,11 @@ class Process:
         return [Publication(i.topic_type.replace("/msg/", "/"), i.qos_profile) for i in infos]
 
     def published(self) -> list[str]:
-        """Return the full names of all topics that somebody publishes."""
         with self._open:
             known = [] if self._closed else self.node.get_topic_names_and_types()
             return [name for name, _ in known if self.node.count_publishers(name)]
 
     def namesakes(self) -> int:
-        """Return how many nodes have the name of this one, with it."""
         with self._open:
             known = [] if self._closed else self.node.get_node_names_and_namespaces()
         return sum(f"{space.rstrip('/')}/{name}" == self.name for name, space in known)

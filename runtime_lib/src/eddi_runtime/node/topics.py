@@ -1,21 +1,167 @@
-"""What a node publishes: messages of a monitor, or values of them, each on its topic.
+"""What a node receives of every source, why one is silent, and what it publishes on each topic.
 
 A transport may turn ``None`` into ``False``, take ``2`` for ``True``, and raise for a numpy scalar
-only once somebody listens (rospy does). So each value is checked and converted here.
+only once somebody listens (rospy does). So each value that is published is checked here.
 """
 
 from __future__ import annotations
 
 import math
+import threading
+import time
+from collections import deque
 from contextlib import suppress
 from types import ModuleType
-from typing import Any, Callable, Iterable, Iterator, List, Mapping, NamedTuple, Union
+from typing import Any, Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
-from ..monitor import Tree
+from ..monitor import Tree, Trees
 from ..plain_values import Step, follow, plain
+from .report import GraphFact
 
-Trees = Union[Tree, List[Tree], None]
-"""What one step of a monitor gives: one message tree, several, or none."""
+DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
+MAX_QUEUED = 1000  # messages between two steps; older ones are dropped and counted
+
+
+class Input(NamedTuple):
+    """One subscription: a ``SimulatorOutputs`` entry of eddi_config.yml."""
+
+    id: str  # name under which ``EDDIInput.processing`` finds the message
+    topic: str  # absolute or relative name; remapping and namespaces apply
+    type: Any  # message class of the transport
+    # receive buffer. rospy hands out old messages when a message is larger than the buffer, so it
+    # must be raised for images and point clouds.
+    buffer_bytes: int = DEFAULT_BUFFER_BYTES
+    every_message: bool = False  # no message is skipped: those between two steps are queued
+    # what of the quality of service is otherwise than usual, where the transport has one
+    qos: Mapping[str, str | float] = {}
+    wakes: bool = True  # a message starts a step at once where the node steps on change
+
+
+class Receipt(NamedTuple):
+    """The last message of an input and what is known about it."""
+
+    message: object  # the message, as the transport hands it out
+    at: float  # monotonic seconds of receipt
+    received: int  # messages so far
+    # how old it was then, in seconds; ``UNKNOWN_AGE`` when it came on connecting from a latching
+    # publisher, and no header says when it was made
+    age: float = 0.0
+
+    def age_at(self, now: float) -> float:
+        """Return how old the message is, in seconds."""
+        return self.age + now - self.at
+
+
+class Receipts:
+    """What a transport hands over in its own threads; all conversion happens in the loop.
+
+    ``arrived`` is called after every message (``on_change`` wakes the loop here).
+    """
+
+    def __init__(self, sources: Collection[Input], arrived: Callable[[], None]) -> None:
+        self._lock = threading.Lock()
+        self._arrived = arrived
+        self._silent = {source.id for source in sources if not source.wakes}
+        self._latest: dict[str, Receipt] = {}
+        self._queues: dict[str, deque[object]] = {
+            source.id: deque(maxlen=MAX_QUEUED) for source in sources if source.every_message
+        }
+        self._dropped: dict[str, int] = {}
+
+    def receive(self, source: str, message: object, age: float = 0.0) -> None:
+        """Store one message of an input, see ``Receipt``."""
+        now = time.monotonic()
+        with self._lock:
+            before = self._latest.get(source)
+            number = 1 if before is None else before.received + 1
+            self._latest[source] = Receipt(message, now, number, age)
+            queue = self._queues.get(source)
+            if queue is not None:
+                if len(queue) == MAX_QUEUED:
+                    self._dropped[source] = self._dropped.get(source, 0) + 1
+                queue.append(message)
+        if source not in self._silent:
+            self._arrived()
+
+    def latest(self) -> dict[str, Receipt]:
+        with self._lock:
+            return dict(self._latest)
+
+    def taken(self) -> tuple[dict[str, Receipt], dict[str, list[object]]]:
+        """Return the last messages, and of inputs that take each those since the last call."""
+        with self._lock:
+            new = {name: list(queue) for name, queue in self._queues.items()}
+            for queue in self._queues.values():
+                queue.clear()
+            return dict(self._latest), new
+
+    def dropped(self) -> str:
+        """Return how many messages were dropped because too many came in one period, in words."""
+        with self._lock:
+            found = self._dropped.items()
+            return "; ".join(f"{count} messages of {name} were dropped" for name, count in found)
+
+
+_QUIET_S = 1.0  # without a message for so long, the graph is asked why
+
+
+class Topic(NamedTuple):
+    """What a transport knows of a topic without new messages, and of who publishes it."""
+
+    name: str  # full name
+    expected: str  # type that this node reads, as ROS 1 writes it
+    types: Collection[str]  # type of each publication, written so; empty where nobody publishes it
+    age: float | None  # of the last message in seconds, ``None`` before the first
+    fault: str  # why nothing comes from a publication of that type
+
+
+class Silence:
+    """Finds the reason for the silence of each topic; none is absent in the time of the start."""
+
+    def __init__(self, sources: Sequence[Input], grace: float) -> None:
+        self._sources = sources
+        self._settled_at = time.monotonic() + grace
+        self._were_published: set[str] = set()
+        self._published: Collection[str] = ()
+        self._absent: dict[str, str] = {}
+
+    def quiet(self, receipts: Mapping[str, Receipt]) -> list[tuple[Input, float | None]]:
+        """Return each source without a recent message, and the seconds since its last one."""
+        now = time.monotonic()
+        ages = {name: now - receipt.at for name, receipt in receipts.items()}
+        quiet = [one for one in self._sources if not ages.get(one.id, math.inf) <= _QUIET_S]
+        return [(one, ages.get(one.id)) for one in quiet]
+
+    def explained(self, topics: Iterable[Topic], published: Collection[str]) -> GraphFact:
+        """Return why nothing usable comes from topics without a recent message."""
+        if self._published != (names := frozenset(published)):
+            self._published, self._absent = names, {}  # the nearest names are searched anew
+        wrong_types, reasons = {}, {}
+        for topic in topics:
+            if topic.types and topic.expected not in topic.types:
+                sent = min(topic.types)
+                wrong_types[topic.name] = f"{topic.expected} expected, the publisher sends {sent}"
+            else:
+                reasons[topic.name] = self._reason(topic)
+            if topic.types:
+                self._were_published.add(topic.name)
+        return GraphFact(wrong_types=wrong_types, reasons=reasons)
+
+    def _reason(self, topic: Topic) -> str:
+        if topic.types:
+            return topic.fault
+        if topic.age is not None or topic.name in self._were_published:
+            return "its publisher is gone"
+        if time.monotonic() < self._settled_at:
+            return ""
+        if topic.name not in self._absent:
+            import difflib  # noqa: PLC0415 - only for what should not happen
+
+            near = difflib.get_close_matches(topic.name, sorted(self._published), 1)
+            nearest = f", the nearest name is {near[0]}" if near else ""
+            self._absent[topic.name] = f"nobody publishes it{nearest}"
+        return self._absent[topic.name]
+
 
 _WHOLE: Mapping[str, tuple[int, int]] = {
     **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
@@ -30,8 +176,8 @@ class MessageClasses(NamedTuple):
 
     module: ModuleType  # holds the classes by name (``eddi_messages.msg``)
     # class -> its fields, each with its type as a ``.msg`` file spells it
-    fields: Callable[[object], Iterable[tuple[str, str]]]
-    type_name: Callable[[object], str]  # message or class -> ``package/Name``
+    fields: Callable[[Any], Iterable[tuple[str, str]]]
+    type_name: Callable[[Any], str]  # message or class -> ``package/Name``
     stamp: Callable[[], object]  # returns the present time for a header
 
 
@@ -43,7 +189,7 @@ class Converter:
     """Turns ``("Name", {field: value})`` into messages of one message package."""
 
     def __init__(self, classes: MessageClasses) -> None:
-        self._classes = classes
+        self.classes = classes
         self._plans: dict[str, tuple[Any, dict[str, str], bool]] = {}
 
     def message(self, tree: Tree) -> Any:
@@ -68,7 +214,7 @@ class Converter:
             exact = type(given) is _EXACT.get(kind)  # as nearly all are
             setattr(built, field, given if exact else self._value(name, field, kind, given))
         if has_header:
-            built.header.stamp = self._classes.stamp()
+            built.header.stamp = self.classes.stamp()
         return built
 
     def messages(self, trees: Trees) -> object:
@@ -84,16 +230,12 @@ class Converter:
             raise MessageError(f"the monitor gives no message {name!r} in addition to its result")
         return self.messages(make())
 
-    def type_name(self, message: object) -> str:
-        """Return ``package/Name`` of a message or of its class."""
-        return self._classes.type_name(message)
-
     def _plan(self, name: str) -> tuple[Any, dict[str, str], bool]:
         """Return the class of a message, its fields without a header, and whether it has one."""
-        cls = getattr(self._classes.module, name, None)
+        cls = getattr(self.classes.module, name, None)
         if cls is None:
-            raise MessageError(f"message {name} is not in {self._classes.module.__name__}")
-        kinds = dict(self._classes.fields(cls))
+            raise MessageError(f"message {name} is not in {self.classes.module.__name__}")
+        kinds = dict(self.classes.fields(cls))
         has_header = kinds.get("header") in ("Header", "std_msgs/Header")
         if has_header:
             del kinds["header"]
@@ -112,7 +254,7 @@ class Converter:
                 return found
         elif isinstance(value, tuple) and len(value) == 2:
             built = self.message(value)
-            if self.type_name(built) == kind:
+            if self.classes.type_name(built) == kind:
                 return built
         expected = "str" if kind == "string" else kind
         given = f"{type(value).__name__} {value!r}"
@@ -206,8 +348,9 @@ def check_outputs(
         for one in each(built):
             sent = picked(one, channel)
             if not isinstance(sent, channel.type):
-                declared, made = converter.type_name(channel.type), converter.type_name(sent)
-                raise MessageError(f"{channel.topic} carries {declared}, the monitor makes {made}")
+                types = map(converter.classes.type_name, (channel.type, sent))
+                text = "{} carries {}, the monitor makes {}"
+                raise MessageError(text.format(channel.topic, *types))
 
 
 def each(messages: object) -> list[object]:
