@@ -12,7 +12,7 @@ from tests.data_files import data_file
 
 def _oracle() -> list[dict[str, object]]:
     path = data_file("conserts/oracle.yml")
-    entries: list[dict[str, object]] = yaml.safe_load(path.read_text())["xml_import"]
+    entries: list[dict[str, object]] = yaml.load(path.read_text(), yaml.CSafeLoader)["xml_import"]
     return entries
 
 
