@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import sys
 import tempfile
 from collections.abc import Iterator
 from functools import cache
@@ -32,6 +33,9 @@ if (
 ):  # git, Copier and our own transactions flush a lot: several times faster in memory
     os.environ["TMPDIR"] = str(_MEMORY)
     tempfile.tempdir = None  # asked before, by pytest itself
+
+_WRITES_NO_BYTECODE = sys.dont_write_bytecode
+sys.dont_write_bytecode = False  # asserts are rewritten once, and not by each worker; see below
 
 # Every command that runs in this process would make typer look at all commands and options again.
 typer.main.get_command = cache(typer.main.get_command)
@@ -66,6 +70,11 @@ def pytest_configure(config: pytest.Config) -> None:
     """Let the long profile take its time, unless a limit is asked for."""
     if config.getoption("--hypothesis-profile") == "long" and config.option.timeout is None:
         config.option.timeout = 0
+
+
+def pytest_collection_finish() -> None:
+    """Leave no bytecode in what the tests generate, where a person wants none."""
+    sys.dont_write_bytecode = _WRITES_NO_BYTECODE
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

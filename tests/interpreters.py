@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -10,8 +11,9 @@ import pytest
 
 SINCE = "3.8"
 """The oldest Python that a robot may have."""
+CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "eddi-scaffold"
+"""What is installed once on a machine; some tests give a home of their own to what they run."""
 _VERSIONS = Path.home() / ".pyenv" / "versions"
-"""Of the person; some tests give a home of their own to what they run."""
 
 
 def old_python() -> str:

@@ -28,7 +28,7 @@ WORDS = {"and": "AND", "or": "OR", "xor": "XOR", "equal": "==", "implies": "IMPL
 
 @cache
 def load(path: Path) -> Any:
-    return yaml.safe_load(path.read_text("utf-8"))
+    return yaml.load(path.read_text("utf-8"), yaml.CSafeLoader)
 
 
 @pytest.fixture

@@ -11,7 +11,9 @@ from eddi_scaffold.connect.topics import InputNeed, RobotTopic
 from eddi_scaffold.monitors.message_types import known_messages
 from tests.data_files import data_file
 
-_DATA: Mapping[str, Any] = yaml.safe_load(data_file("connect/pairs.yml").read_text("utf-8"))
+_DATA: Mapping[str, Any] = yaml.load(
+    data_file("connect/pairs.yml").read_text("utf-8"), yaml.CSafeLoader
+)
 
 
 @pytest.mark.parametrize("pair", _DATA["pairs"], ids=lambda pair: pair["id"])
@@ -33,7 +35,9 @@ def decided(pair: Mapping[str, Any]) -> Decision:
     need = InputNeed(is_demand=given.pop("demand", False), **given)
     topics = (
         robot.get("topics")
-        or yaml.safe_load(data_file(robot["outputs"]).read_text("utf-8"))["SimulatorOutputs"]
+        or yaml.load(data_file(robot["outputs"]).read_text("utf-8"), yaml.CSafeLoader)[
+            "SimulatorOutputs"
+        ]
     )
     found = [RobotTopic(one["id"], one["type"].replace(".", "/"), one["topic"]) for one in topics]
     offers = [

@@ -30,7 +30,7 @@ class Case:
 
 def read_case(text: str, folder: Path) -> Case:
     """Read a case and write its files into a folder."""
-    content = yaml.safe_load(text)
+    content = yaml.load(text, yaml.CSafeLoader)
     for name, data in content["files"].items():
         (folder / name).write_text(data, encoding="utf-8")
     return Case(content, folder)

@@ -41,7 +41,7 @@ def _turns(kind: str, number: int, others: Sequence[Callable[[Random], Files]]) 
 
 
 def _dump(content: Any) -> str:
-    return yaml.safe_dump(content, sort_keys=False)
+    return yaml.dump(content, Dumper=yaml.CSafeDumper, sort_keys=False)
 
 
 def _random_eddi(rng: Random) -> Files:

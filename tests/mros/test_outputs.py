@@ -47,7 +47,9 @@ def outputs_of(system: Path, folder: Path, **options: Any) -> tuple[Outputs, lis
 
 
 def cases() -> list[Any]:
-    return list(yaml.safe_load(data_file("mros/expected/cases.yml").read_text("utf-8")))
+    return list(
+        yaml.load(data_file("mros/expected/cases.yml").read_text("utf-8"), yaml.CSafeLoader)
+    )
 
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case["name"])
@@ -57,7 +59,7 @@ def test_whole_systems(case: dict[str, Any]) -> None:
     )
     options = {"include": [word for word in case["options"] if word != "--include"]}
     found, problems = outputs_of(system, models, **options)
-    wanted = yaml.safe_load(result.read_text("utf-8"))["SimulatorOutputs"]
+    wanted = yaml.load(result.read_text("utf-8"), yaml.CSafeLoader)["SimulatorOutputs"]
     assert [{"id": t.id, "type": t.type, "topic": t.topic} for t in found.topics] == wanted
     assert sorted((p.level, p.place.file, p.place.line, WORDS[p.case]) for p in problems) == sorted(
         (d["severity"], d["file"], d["line"], d["code"]) for d in case["diagnostics"]

@@ -20,7 +20,9 @@ from eddi_scaffold.recordings.playing import PlayedMonitor, of_messages, play, s
 from tests.recordings.full_form import full_form
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
-CASES = {case["id"]: case for case in yaml.safe_load(ORACLE.read_text("utf-8"))["cases"]}
+CASES = {
+    case["id"]: case for case in yaml.load(ORACLE.read_text("utf-8"), yaml.CSafeLoader)["cases"]
+}
 VALUES: Mapping[State, str] = {"active": "true", "not active": "false", "unknown": "unknown"}
 
 

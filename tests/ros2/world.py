@@ -14,6 +14,7 @@ import pytest
 from tests.cli.command import EXAMPLE, ROOT, run
 from tests.e2e.robot import CLEAN_PATH
 from tests.fields import table
+from tests.interpreters import CACHE
 from tests.ros1.world import demand
 
 FLAGS = ("-DCMAKE_C_FLAGS=-O0", "-DCMAKE_CXX_FLAGS=-O0")
@@ -33,9 +34,8 @@ class Release:
 
     def __init__(self, name):
         self.name = name
-        cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
         of = hashlib.sha256(_WHEELS.read_bytes()).hexdigest()[:12]
-        self.prefix = cache / "eddi-scaffold" / f"ros2-{name}-{of}"
+        self.prefix = CACHE / f"ros2-{name}-{of}"
         self.python = "/usr/bin/python3" if _SOURCED else str(self.prefix / "bin" / "python")
 
     def why_not(self):

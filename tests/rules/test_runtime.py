@@ -16,7 +16,7 @@ import pytest
 
 import eddi_scaffold
 from tests.checkouts import HERE, PLAIN_PACKAGES, run
-from tests.interpreters import SINCE, old_python
+from tests.interpreters import CACHE, SINCE, old_python
 
 RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 EXPECTED = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
@@ -56,16 +56,16 @@ def test_library_of_python_3_8() -> None:
 
 @pytest.fixture(scope="session")
 def old_pytest() -> Path:
-    """Return a Python 3.8 with pytest, kept in the checkout's `.cache`; installed once."""
+    """Return a Python 3.8 with pytest, installed once."""
     python = old_python()
-    home = HERE / ".cache" / f"python{SINCE}"
+    home = CACHE / f"python{SINCE}"
     ready = home / "ready-with-timeout"
     if not ready.exists():
         shutil.rmtree(home, ignore_errors=True)
         plugins = ["hypothesis==6.113.*", "pytest-timeout==2.3.*"]  # pyproject.toml names them
         wanted = ["pytest==8.3.*", *plugins, "numpy==1.24.*"]
-        pip = [str(home / "bin" / "python"), "-m", "pip", "install", "--quiet", *wanted]
-        for command in ([python, "-m", "venv", str(home)], pip):
+        pip = [str(home / "bin" / "python"), "-m", "pip", "install", "--no-compile", "--quiet"]
+        for command in ([python, "-m", "venv", str(home)], [*pip, *wanted]):
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode:
                 reason = done.stderr.strip().splitlines()[-1:] or ["no reason given"]

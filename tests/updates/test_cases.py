@@ -25,7 +25,7 @@ from tests.updates.world import World
 
 pytestmark = pytest.mark.slow
 _FILE = Path(__file__).parents[1] / "data/oracles/edits/cases.yml"
-CASES: list[dict[str, Any]] = yaml.safe_load(_FILE.read_text())
+CASES: list[dict[str, Any]] = yaml.load(_FILE.read_text(), yaml.CSafeLoader)
 _OURS = ("generate", "upgrade")
 
 

@@ -101,11 +101,11 @@ class Config:
         return dump(document)
 
 
-class _Dumper(yaml.SafeDumper):
+class _Dumper(yaml.CSafeDumper):
     """Writes texts of several lines as they are."""
 
 
-def _text(dumper: yaml.SafeDumper, text: str) -> yaml.Node:
+def _text(dumper: yaml.CSafeDumper, text: str) -> yaml.Node:
     style = "|" if "\n" in text else None
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style)
 
@@ -120,7 +120,7 @@ def dump(document: Mapping[str, Any]) -> str:
 
 def with_topics(template: Template, topics: Mapping[str, str]) -> Mapping[str, str]:
     """Return the files of a template with the real topics of a deployment."""
-    config = yaml.safe_load(template.files[f"{template.name}_config.yml"])
+    config = yaml.load(template.files[f"{template.name}_config.yml"], yaml.CSafeLoader)
     rows: Sequence[dict[str, Any]] = [*config["SimulatorOutputs"], *config["EDDIOutputs"]]
     for row in rows:
         first, _, rest = row["topic"].partition("/")

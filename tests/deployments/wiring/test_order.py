@@ -11,7 +11,9 @@ from tests.cli.command import Result, run
 from tests.data_files import ORACLES
 from tests.package_texts import facts_in
 
-_ALL: list[dict[str, Any]] = yaml.safe_load((ORACLES / "users/order.yml").read_text())["cases"]
+_ALL: list[dict[str, Any]] = yaml.load((ORACLES / "users/order.yml").read_text(), yaml.CSafeLoader)[
+    "cases"
+]
 CASES = [case for case in _ALL if case["id"] != "documents"]  # several configurations in one file
 WORKSPACE = Path("src/eddi_monitor")
 

@@ -17,7 +17,7 @@ from tests.kinds.bayesian_network.networks import joined, read, read_path, runni
 
 @cache
 def oracle() -> dict[str, list[Any]]:
-    return dict(yaml.safe_load(data_file("bn/oracle.yml").read_text("utf-8")))
+    return dict(yaml.load(data_file("bn/oracle.yml").read_text("utf-8"), yaml.CSafeLoader))
 
 
 def cases(section: str) -> list[Any]:

@@ -29,7 +29,7 @@ from tests.kinds.safeml.monitors import LONG_NAMES, running
 @cache
 def oracle() -> dict[str, Any]:
     text = data_file("monitors/oracle_safeml.yml").read_text("utf-8")
-    return dict(yaml.safe_load(text))
+    return dict(yaml.load(text, yaml.CSafeLoader))
 
 
 def lcg(count: int, offset: int) -> list[float]:
