@@ -341,6 +341,8 @@ class _Composer:
             hint = "write `percent`, or put the text in quotes"
         elif re.search(r"[:,\[-]\s+!", line):
             hint = _NOT
+        elif re.search(r":\s+>=?\s*[-+.0-9]", line):
+            hint = "in YAML `>` begins a block of text: write `at least 20 %`, or put it in quotes"
         if what == _NO_COLON and failure.context_mark:
             place = self._place(failure.context_mark)  # of the key; the other is below it
         parts = ": ".join(part for part in (failure.context, failure.problem) if part)
