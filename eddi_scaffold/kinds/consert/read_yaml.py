@@ -41,6 +41,11 @@ class Form(NamedTuple):
     kind: str = ""  # of an element with an id, which messages call `<kind> '<id>'`
     hints: Mapping[str, str] = {}  # unknown key -> what to write instead
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of its fields."""
+        return tuple(field.key for field in self.fields)
+
 
 def read_full(root: y.Map, name: str) -> tuple[model.ConSert | None, list[Problem]]:
     """Read a ConSert in the full form."""
@@ -77,7 +82,7 @@ class Reader:
             place, text = id_.place, y.as_text(id_)
             if text is not None:
                 what = f"{form.kind} {y.shown(text)}"
-        self._check_keys(node, what, form)
+        self.check_keys(node, what, form)
         values, is_faulty = [], False
         for field in form.fields:
             child = node.get(field.key)
@@ -87,7 +92,8 @@ class Reader:
             values.append(value)
         return None if is_faulty else form.make(*values, place=place)
 
-    def _check_keys(self, node: y.Map, what: str, form: Form) -> None:
+    def check_keys(self, node: y.Map, what: str, form: Form) -> None:
+        """Report keys that are missing or unknown."""
         keys, known = node.keys(), {field.key: field for field in form.fields}
         present, unknown = set(keys), [key for key in keys if key not in known]
         meant: set[str] = set()

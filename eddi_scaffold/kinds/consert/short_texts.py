@@ -6,11 +6,9 @@ They hold no more than that, so a mistake is told at its character, with what to
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds.consert.consert import Bound, Range
 from eddi_scaffold.yaml_text import nodes as y
 
 RESERVED = frozenset({"always", "and", "bool", "not", "or"})  # in any case
@@ -22,7 +20,6 @@ _RANGE = re.compile(
     rf"|(?P<word>at least|at most|below)\s+(?P<bound>{_NUMBER}))"
     r"\s*(?P<unit>\S.*?)??(?:\s+or\b|\s*$)"
 )
-_OPEN_START, _OPEN_END = Bound("-inf", float("-inf")), Bound("inf", float("inf"))
 
 
 class Refused(Exception):  # noqa: N818 - control flow of the reader
@@ -141,40 +138,38 @@ def _joined(word: str, terms: list[Term | Row]) -> Row:
     return only if len(joined) == 1 and isinstance(only, Row) else Row(word, [*joined.values()])
 
 
-def parse_ranges(text: str, locate: Callable[[int], Place]) -> tuple[tuple[Range, ...], str]:
+class ShortRange(NamedTuple):
+    """A range: its name and ends as in the full form, and where it begins in the text."""
+
+    name: str
+    start: str
+    end: str
+    offset: int
+
+
+def parse_ranges(text: str) -> tuple[list[ShortRange], str]:
     """Read ranges joined by ``or``, and their unit; empty is a ratio.
 
     Raises:
         Refused: it is no range, or has two units.
     """
-    ranges: list[Range] = []
+    ranges: list[ShortRange] = []
     units: list[tuple[str, int]] = []
     at = 0
     while at < len(text) or not ranges:
         match = _RANGE.match(text, at)
         if match is None:
             raise Refused("C002.range", at, text=y.shown(text))
-        start, end = _bound(match, "start"), _bound(match, "end")
-        if match["word"]:
-            bound = _bound(match, "bound")
-            start, end = (bound, end) if match["word"] == "at least" else (start, bound)
-        inclusive = match["dots"] == ".." or match["word"] in {"at least", "at most"}
-        place = locate(at + len(match[0]) - len(match[0].lstrip()))
-        ranges.append(Range(start, end, inclusive, place))
+        start, end, bound = match["start"] or "-.inf", match["end"] or ".inf", match["bound"]
+        start, end = (bound, end) if match["word"] == "at least" else (start, bound or end)
+        name = "Exclusive" if match["dots"] == "..<" or match["word"] == "below" else "Inclusive"
+        offset = at + len(match[0]) - len(match[0].lstrip())
+        ranges.append(ShortRange(name, start, end, offset))
         units.append((match["unit"] or "", match.start("unit")))
         at = match.end()
-    unit = units[-1][0]
+    unit, last = units[-1]
     for other, offset in units:
-        if other and other != unit:
-            at = units[-1][1] if unit else offset
+        if other not in {"", unit}:
+            at = last if unit else offset
             raise Refused("C002.units", at, first=y.shown(other), second=y.shown(unit))
-    return tuple(ranges), "percent" if unit == "%" else unit
-
-
-def _bound(match: re.Match[str], name: str) -> Bound:
-    if match[name] is None:
-        return _OPEN_START if name == "start" else _OPEN_END
-    number = y.as_number(y.Scalar(match[name], plain=True))
-    if number is None:
-        raise Refused("C002.range", match.start(name), text=y.shown(match[name]))
-    return Bound(number.text, number.value)
+    return ranges, "percent" if unit == "%" else unit
