@@ -25,7 +25,7 @@ from eddi_scaffold.kinds.consert.options import (
     read_options,
     with_default_guarantees,
 )
-from eddi_scaffold.kinds.consert.read_yaml import read_yaml
+from eddi_scaffold.kinds.consert.read_short import read_consert
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -74,7 +74,7 @@ class ConSertModel(Model):
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
-        draft, problems = read_yaml(source)
+        draft, problems = read_consert(source)
         reading = _models(() if draft is None else (draft,), problems, source, default_guarantees)
         if has_errors(problems):  # the draft was only good for finding more
             return ReadResult((), reading.problems)

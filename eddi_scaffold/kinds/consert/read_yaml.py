@@ -10,21 +10,21 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_similar, problem
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
 MAX_ID = 128
 _MOST_UNKNOWN_KEYS = 100  # of one map that are compared with a missing one
-_UNREADABLE = model.BinaryDimension("")
+UNREADABLE = model.BinaryDimension("")
 """Stands for a faulty dimension, so that checking goes on with the rest of the file."""
+_SHORT = ", or the short form: `guarantees: {MayDrive: PathIsFree AND Charge}`"
 
-Read = Callable[["_Reader", y.Node, str, str], Any]
+Read = Callable[["Reader", y.Node, str, str], Any]
 """Reads a node, given what it is and what it is in, for messages; ``None`` after a problem."""
 
 
-class _Field(NamedTuple):
+class Field(NamedTuple):
     """A key of a map."""
 
     key: str
@@ -33,30 +33,25 @@ class _Field(NamedTuple):
     substitute: Any = None  # the value where a faulty one does not keep the map from being read
 
 
-class _Form(NamedTuple):
+class Form(NamedTuple):
     """What a map holds."""
 
     make: Callable[..., Any]  # takes the values of the fields in their order, and a place
-    fields: tuple[_Field, ...]
+    fields: tuple[Field, ...]
     kind: str = ""  # of an element with an id, which messages call `<kind> '<id>'`
+    hints: Mapping[str, str] = {}  # unknown key -> what to write instead
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The keys of its fields."""
+        return tuple(field.key for field in self.fields)
 
 
-def read_yaml(
-    source: Source, name: str | None = None
-) -> tuple[model.ConSert | None, list[Problem]]:
-    """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
-
-    Returns:
-        A ConSert in which faulty parts are replaced, ``None`` when an id or an edge could not be
-        read (checking would report its consequences); and all problems (C001 to C006).
-    """
-    root, problems = y.read_map(source, "C001")
-    if root is None:
-        return None, problems
-    reader = _Reader()
-    form = _Form(partial(_consert, source.stem if name is None else name), _SECTIONS)
-    consert = reader.element(root, "the ConSert", form)
-    return consert, [*problems, *reader.problems]
+def read_full(root: y.Map, name: str) -> tuple[model.ConSert | None, list[Problem]]:
+    """Read a ConSert in the full form."""
+    reader = Reader()
+    consert = reader.element(root, "the ConSert", Form(partial(_consert, name), _SECTIONS))
+    return consert, reader.problems
 
 
 def _consert(name: str, *content: Any, place: Place) -> model.ConSert:
@@ -64,7 +59,7 @@ def _consert(name: str, *content: Any, place: Place) -> model.ConSert:
     return replace(model.ConSert(name, *sections), place=place, system=system or "")
 
 
-class _Reader:
+class Reader:
     """Reads maps by their forms, and collects what is wrong with them."""
 
     def __init__(self) -> None:
@@ -76,7 +71,7 @@ class _Reader:
         """Add an error at a node."""
         self.problems.append(problem(case, node.place, hint=hint, **fields))
 
-    def element(self, node: y.Node, what: str, form: _Form, place: Place | None = None) -> Any:
+    def element(self, node: y.Node, what: str, form: Form, place: Place | None = None) -> Any:
         """Read a map."""
         if not isinstance(node, y.Map):
             self.report("C002.map", node, subject=what, node=y.describe(node))
@@ -87,7 +82,7 @@ class _Reader:
             place, text = id_.place, y.as_text(id_)
             if text is not None:
                 what = f"{form.kind} {y.shown(text)}"
-        self._check_keys(node, what, form)
+        self.check_keys(node, what, form)
         values, is_faulty = [], False
         for field in form.fields:
             child = node.get(field.key)
@@ -97,15 +92,18 @@ class _Reader:
             values.append(value)
         return None if is_faulty else form.make(*values, place=place)
 
-    def _check_keys(self, node: y.Map, what: str, form: _Form) -> None:
+    def check_keys(self, node: y.Map, what: str, form: Form) -> None:
+        """Report keys that are missing or unknown."""
         keys, known = node.keys(), {field.key: field for field in form.fields}
         present, unknown = set(keys), [key for key in keys if key not in known]
         meant: set[str] = set()
+        short = _SHORT
         for key, field in known.items():
             if key in present or field.is_optional:
                 continue
             similar = most_similar(key, unknown[:_MOST_UNKNOWN_KEYS])
-            hint = f"write `{key}: []` for none" if form.fields is _SECTIONS else None
+            hint = f"write `{key}: []` for none{short}" if form.fields is _SECTIONS else None
+            short = ""
             if similar is not None:
                 meant.add(similar)
                 hint = f"the key {y.shown(similar)} is there: did you mean {key!r}?"
@@ -115,7 +113,8 @@ class _Reader:
         absent = [key for key in known if key not in present]
         for index, (name, _) in enumerate(node.entries):
             if name.text not in known and name.text not in meant:
-                hint = _comma_hint(node, index) or did_you_mean(name.text, absent)
+                hint = _comma_hint(node, index) or form.hints.get(name.text)
+                hint = hint or did_you_mean(name.text, absent)
                 self.report(
                     "C002.unknown_key", name, hint=hint, name=y.shown(name.text), subject=what
                 )
@@ -145,7 +144,8 @@ def _comma_hint(node: y.Map, index: int) -> str | None:
     return f"a decimal point, not a comma: `{key.text}: {before.text}.{name.text}`"
 
 
-def _text(reader: _Reader, node: y.Node, what: str, _owner: str) -> str | None:
+def text_of(reader: Reader, node: y.Node, what: str, _owner: str) -> str | None:
+    """Read a text."""
     text = y.as_text(node)
     if text is None:
         hint = None
@@ -155,8 +155,8 @@ def _text(reader: _Reader, node: y.Node, what: str, _owner: str) -> str | None:
     return text
 
 
-def _id(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
-    text = _text(reader, node, what, owner)
+def _id(reader: Reader, node: y.Node, what: str, owner: str) -> str | None:
+    text = text_of(reader, node, what, owner)
     if text is not None and len(text) > MAX_ID:
         reader.report("C001.long_id", node, length=len(text), limit=MAX_ID)
     return text
@@ -169,7 +169,7 @@ def _or_null(read: Read) -> Read:
 
 
 def _scalar(convert: Callable[[y.Node], Any], case: str) -> Read:
-    def read_scalar(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
+    def read_scalar(reader: Reader, node: y.Node, what: str, _owner: str) -> Any:
         value = convert(node)
         if value is None:
             reader.report(case, node, subject=what, node=y.describe(node))
@@ -178,7 +178,7 @@ def _scalar(convert: Callable[[y.Node], Any], case: str) -> Read:
     return read_scalar
 
 
-def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> model.Bound | None:
+def _bound(reader: Reader, node: y.Node, what: str, _owner: str) -> model.Bound | None:
     number = y.as_number(node)
     if number is not None:
         return model.Bound(number.text, number.value)
@@ -189,9 +189,11 @@ def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> model.Bound
     return None
 
 
-def _word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None = None) -> Read:
-    def read_word(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
-        text = _text(reader, node, what, owner)
+def word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None = None) -> Read:
+    """Return what reads a word of a closed set."""
+
+    def read_word(reader: Reader, node: y.Node, what: str, owner: str) -> str | None:
+        text = text_of(reader, node, what, owner)
         if text is not None and text not in known and isinstance(node, y.Scalar):
             reader.unknown_word(node, title, known, (hints or {}).get(text.casefold()))
         return text if text in known else None
@@ -199,7 +201,7 @@ def _word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None
     return read_word
 
 
-def _list_of(
+def list_of(
     read: Read, item: str, *, may_be_empty: bool = False, substitute: object = None
 ) -> Read:
     """Return what reads a list; a faulty item is substituted, or makes all of it faulty.
@@ -207,7 +209,7 @@ def _list_of(
     An item is named by its ``number``, by ``what`` the list is, or by what the list is in.
     """
 
-    def read_list(reader: _Reader, node: y.Node, what: str, owner: str) -> tuple[Any, ...] | None:
+    def read_list(reader: Reader, node: y.Node, what: str, owner: str) -> tuple[Any, ...] | None:
         if not isinstance(node, y.Items):
             hint = "write [] for an empty list" if y.is_null(node) else None
             reader.report("C002.list", node, hint=hint, subject=what, node=y.describe(node))
@@ -225,11 +227,11 @@ def _list_of(
     return read_list
 
 
-def _variant_of(title: str, forms: Mapping[str, _Form]) -> Read:
+def _variant_of(title: str, forms: Mapping[str, Form]) -> Read:
     """Return what reads a map with one key, which tells what it holds."""
     known = tuple(forms)
 
-    def read_variant(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
+    def read_variant(reader: Reader, node: y.Node, what: str, _owner: str) -> Any:
         if not isinstance(node, y.Map) or len(node.entries) != 1:
             actual = y.describe(node)
             if isinstance(node, y.Map):
@@ -254,77 +256,77 @@ def _binary(type_: str, value: bool | None, place: Place) -> model.BinaryDimensi
     return model.BinaryDimension(type_, place, value is not False)
 
 
-_TYPE = _Field("type", _text)
+_TYPE = Field("type", text_of)
 _SUBSETS = ("Demand", "Guarantee", "Equals", "Intersection")
-_SUBSET = _Field("subset", _word_of("subset", _SUBSETS), is_optional=True)
-_ENDS = (_Field("start", _bound), _Field("end", _bound))
+_SUBSET = Field("subset", word_of("subset", _SUBSETS), is_optional=True)
+_ENDS = (Field("start", _bound), Field("end", _bound))
 _RANGE = _variant_of(
     "kind of range",
     {
-        name: _Form(partial(model.Range, inclusive=end, start_inclusive=start), _ENDS)
+        name: Form(partial(model.Range, inclusive=end, start_inclusive=start), _ENDS)
         for (start, end), name in model.RANGES.items()
     },
 )
-_CATEGORIES = _Field("covered", _list_of(_text, "a category of {owner}"))
-_RANGES = _Field("covered", _list_of(_RANGE, "a range of {owner}"))
-_UOM = _Field("uom", _or_null(_text), is_optional=True)
+_CATEGORIES = Field("covered", list_of(text_of, "a category of {owner}"))
+_RANGES = Field("covered", list_of(_RANGE, "a range of {owner}"))
+_UOM = Field("uom", _or_null(text_of), is_optional=True)
 _DIMENSION = _variant_of(
     "kind of dimension",
     {
-        "Binary": _Form(
+        "Binary": Form(
             _binary,
-            (_TYPE, _Field("value", _scalar(y.as_bool, "C002.boolean"), is_optional=True)),
+            (_TYPE, Field("value", _scalar(y.as_bool, "C002.boolean"), is_optional=True)),
         ),
-        "Categorical": _Form(model.CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
-        "Numeric": _Form(model.NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
+        "Categorical": Form(model.CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
+        "Numeric": Form(model.NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
     },
 )
-_ID = _Field("id", _id)
-_DESCRIPTION = _Field("description", _or_null(_text), is_optional=True)
-_DIMENSIONS = _Field(
+_ID = Field("id", _id)
+DESCRIPTION = Field("description", _or_null(text_of), is_optional=True)
+_DIMENSIONS = Field(
     "dimensions",
-    _list_of(_DIMENSION, "a dimension of {owner}", may_be_empty=True, substitute=_UNREADABLE),
-    substitute=(_UNREADABLE,),
+    list_of(_DIMENSION, "a dimension of {owner}", may_be_empty=True, substitute=UNREADABLE),
+    substitute=(UNREADABLE,),
 )
-_DEFAULT = _Field("default", _scalar(y.as_bool, "C002.boolean"), is_optional=True, substitute=False)
-_RANKING = _Field("ranking", _or_null(_scalar(y.as_integer, "C002.integer")), is_optional=True)
+_DEFAULT = Field("default", _scalar(y.as_bool, "C002.boolean"), is_optional=True, substitute=False)
+RANKING = Field("ranking", _or_null(_scalar(y.as_integer, "C002.integer")), is_optional=True)
 _NO_NEGATION = "a ConSert has no negation: describe the negated property as evidence"
-_FUNCTION = _word_of(
+_FUNCTION = word_of(
     "gate function", ("And", "Or"), dict.fromkeys(("not", "xor", "nand", "nor"), _NO_NEGATION)
 )
-_SERVICE_TYPE = _Field("functional_service_type", _text)
-_IDS = _list_of(_text, "a member of {what}", may_be_empty=True)
+_SERVICE_TYPE = Field("functional_service_type", text_of)
+_IDS = list_of(text_of, "a member of {what}", may_be_empty=True)
 _ELEMENTS = {
-    "guarantees": _Form(
-        model.Guarantee, (_ID, _DIMENSIONS, _DESCRIPTION, _DEFAULT, _RANKING), "guarantee"
+    "guarantees": Form(
+        model.Guarantee, (_ID, _DIMENSIONS, DESCRIPTION, _DEFAULT, RANKING), "guarantee"
     ),
-    "demands": _Form(model.Demand, (_ID, _DIMENSIONS, _DESCRIPTION), "demand"),
-    "evidence": _Form(
+    "demands": Form(model.Demand, (_ID, _DIMENSIONS, DESCRIPTION), "demand"),
+    "evidence": Form(
         model.Evidence,
-        (_ID, _Field("dimension", _DIMENSION, substitute=_UNREADABLE), _DESCRIPTION),
+        (_ID, Field("dimension", _DIMENSION, substitute=UNREADABLE), DESCRIPTION),
         "evidence",
     ),
-    "gates": _Form(model.Gate, (_ID, _Field("function", _FUNCTION, substitute="And")), "gate"),
-    "tree_propagations": _Form(model.Propagation, (_Field("from", _text), _Field("to", _text))),
-    "required_services": _Form(
-        model.RequiredService, (_ID, _SERVICE_TYPE, _Field("demands", _IDS)), "service"
+    "gates": Form(model.Gate, (_ID, Field("function", _FUNCTION, substitute="And")), "gate"),
+    "tree_propagations": Form(model.Propagation, (Field("from", text_of), Field("to", text_of))),
+    "required_services": Form(
+        model.RequiredService, (_ID, _SERVICE_TYPE, Field("demands", _IDS)), "service"
     ),
-    "provided_services": _Form(
-        model.ProvidedService, (_ID, _SERVICE_TYPE, _Field("guarantees", _IDS)), "service"
+    "provided_services": Form(
+        model.ProvidedService, (_ID, _SERVICE_TYPE, Field("guarantees", _IDS)), "service"
     ),
 }
 
 
-def _section(key: str, form: _Form) -> _Field:
-    def read_element(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
+def _section(key: str, form: Form) -> Field:
+    def read_element(reader: Reader, node: y.Node, what: str, _owner: str) -> Any:
         return reader.element(node, what, form)
 
-    read = _list_of(read_element, "item {number} of {what}", may_be_empty=True)
-    return _Field(key, lambda reader, node, _what, owner: read(reader, node, repr(key), owner))
+    read = list_of(read_element, "item {number} of {what}", may_be_empty=True)
+    return Field(key, lambda reader, node, _what, owner: read(reader, node, repr(key), owner))
 
 
 _SECTIONS = (
     *(_section(key, form) for key, form in _ELEMENTS.items()),
-    _Field("system", _text, is_optional=True),
+    Field("system", text_of, is_optional=True),
 )
 """The keys of the top level, the mandatory ones in the order of SESAME D7.2 Fig 6."""

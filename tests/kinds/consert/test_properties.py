@@ -27,7 +27,7 @@ from eddi_scaffold.kinds.consert.consert import (
     RequiredService,
 )
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-from eddi_scaffold.kinds.consert.read_yaml import read_yaml
+from eddi_scaffold.kinds.consert.read_short import read_consert
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from tests.kinds.consert.example import ROVER, monitor_of
 
@@ -95,7 +95,7 @@ conserts = st.builds(
 
 @given(conserts)
 def test_written_and_read_again_is_equal(consert):
-    again, problems = read_yaml(Source("m.yml", to_yaml(consert).encode()))
+    again, problems = read_consert(Source("m.yml", to_yaml(consert).encode()))
     assert problems == []
     assert again == consert
 

@@ -1,0 +1,274 @@
+"""ConSert YAML in short -> its full form: ``guarantees: {MayDrive: PathIsFree AND Charge}``.
+
+Each key is an id; gates and edges follow from the expressions. The form is told by ``guarantees``
+being a map. What it means is what the full form means that is made of it here, node by node with
+their places, and that ``export`` writes.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames
+from eddi_scaffold.kinds.consert import consert as model
+from eddi_scaffold.kinds.consert.read_yaml import Field, Form, Reader, read_full, text_of
+from eddi_scaffold.kinds.consert.short_texts import (
+    RESERVED,
+    Refused,
+    Row,
+    Term,
+    ids_in,
+    parse_expression,
+    parse_ranges,
+)
+from eddi_scaffold.yaml_text import nodes as y
+from eddi_scaffold.yaml_text.spans import inside_scalar
+
+_SUBSETS = {"within": "Guarantee", "covers": "Demand"}
+
+
+def read_consert(
+    source: Source, name: str | None = None
+) -> tuple[model.ConSert | None, list[Problem]]:
+    """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
+
+    Returns:
+        A ConSert in which faulty parts are replaced, ``None`` when an id or an edge could not be
+        read (checking would report its consequences); and all problems (C001 to C008).
+    """
+    root, problems = y.read_map(source, "C001")
+    if root is None:
+        return None, problems
+    if isinstance(root.get("guarantees"), y.Map):
+        expansion = _Expansion(source.text("C001"))
+        root = expansion.full_form(root)
+        problems += expansion.problems
+    consert, more = read_full(root, source.stem if name is None else name)
+    return consert, [*problems, *more]
+
+
+def _form(main: str, *others: str) -> Form:
+    """Return the form of a map that has a key and may have others."""
+    fields = (Field(key, text_of, is_optional=key != main) for key in (main, *others))
+    return Form(dict, tuple(fields))
+
+
+_PROPERTY = _form("is", "type", "description", "match")
+_SECTIONS = {
+    "evidence": ("evidence", _PROPERTY),
+    "demands": ("demand", _PROPERTY),
+    "gates": ("gate", _form("when")),
+    "guarantees": ("guarantee", _form("when", "gives", *_PROPERTY.keys[1:], "ranking")),
+    "requires": ("required service", _form("demands", "type")),
+    "provides": ("provided service", _form("guarantees", "type")),
+}
+"""Key -> what it declares, and the form of that; the first key of a form may stand alone."""
+_ROOT = _form("guarantees", *_SECTIONS)._replace(
+    hints={
+        "tree_propagations": "edges follow from the expressions",
+        "required_services": "write `requires: {SERVICE: [DEMAND, ...]}`",
+        "provided_services": "write `provides: {SERVICE: [GUARANTEE, ...]}`",
+    }
+)
+
+
+class _Declared(NamedTuple):
+    """What a section declares."""
+
+    key: y.Scalar
+    what: str  # for messages
+    parts: dict[str, y.Node]
+    main: y.Node | None  # the part that may stand alone
+
+    @property
+    def id(self) -> str:
+        return self.key.text
+
+
+def _map(place: Place, nodes: Mapping[str, y.Node | str | None]) -> y.Map:
+    """Return a map of the nodes that are there; a text becomes a scalar."""
+    entries: list[tuple[y.Scalar, y.Node]] = []
+    for key, node in nodes.items():
+        if node is not None:
+            value = y.Scalar(node, plain=True, place=place) if isinstance(node, str) else node
+            entries.append((y.Scalar(key, plain=True, place=place), value))
+    return y.Map(tuple(entries), place)
+
+
+class _Expansion(Reader):
+    """Makes the full form of a short one."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self._text = text  # of the file
+        self._gates: list[y.Node] = []
+        self._edges: list[y.Node] = []
+        self._ids: set[str] = set()
+        self._numbers: Counter[str] = Counter()
+
+    def full_form(self, root: y.Map) -> y.Map:
+        """Return the full form."""
+        self.check_keys(root, "the ConSert", _ROOT)
+        of = {key: [*self._declared(root, key)] for key in _SECTIONS}
+        self._ids = {item.id for key in [*_SECTIONS][:4] for item in of[key]}
+        similar = SimilarNames(self._ids)
+        for item in of["gates"]:
+            row = self._row(item, similar)
+            self._add_gate(item.id, row, item.key.place)
+            self._join(item, row)
+        full = {
+            "guarantees": [self._guarantee(item, similar) for item in of["guarantees"]],
+            "demands": [self._property(item, "dimensions") for item in of["demands"]],
+            "evidence": [self._property(item, "dimension") for item in of["evidence"]],
+            "gates": self._gates,
+            "tree_propagations": self._edges,
+            "required_services": self._services(of["requires"], of["demands"], "demand"),
+            "provided_services": self._services(of["provides"], of["guarantees"], "guarantee"),
+        }
+        lists = {key: y.Items(tuple(items), root.place) for key, items in full.items()}
+        return _map(root.place, lists)
+
+    def _declared(self, root: y.Map, section: str) -> Iterator[_Declared]:
+        node, (kind, form) = root.get(section), _SECTIONS[section]
+        if node is not None and not isinstance(node, y.Map):
+            self.report("C002.map", node, subject=repr(section), node=y.describe(node))
+        for key, value in node.entries if isinstance(node, y.Map) else ():
+            if key.text.lower() in RESERVED:
+                self.report("C018.reserved", key, id=y.shown(key.text))
+            what, parts = f"{kind} {y.shown(key.text)}", {form.keys[0]: value}
+            if isinstance(value, y.Map):
+                self.check_keys(value, what, form)
+                parts = {name.text: part for name, part in value.entries}
+            yield _Declared(key, what, parts, parts.get(form.keys[0]))
+
+    def _property(self, item: _Declared, key: str) -> y.Node:
+        """Return evidence or a demand."""
+        subset, place = self._subset(item), item.key.place
+        of: y.Node = self._dimension(item, item.main, "Demand" if key == "dimension" else subset)
+        of = of if key == "dimension" else y.Items((of,), place)
+        return _map(place, {"id": item.key, "description": item.parts.get("description"), key: of})
+
+    def _guarantee(self, item: _Declared, similar: SimilarNames) -> y.Node:
+        parts, place = item.parts, item.key.place
+        default = isinstance(item.main, y.Scalar) and item.main.text == "always"
+        if not default:
+            row = self._row(item, similar)
+            default = not row.terms  # a faulty one: its other faults have been told
+            if row.word == "OR" and len(row.terms) > 1:
+                row = Row("AND", [row])
+            self._join(item, row)
+        of = self._dimension(item, parts.get("gives"), self._subset(item))
+        node = {"id": item.key, "description": parts.get("description")}
+        node |= {"dimensions": y.Items((of,), place), "ranking": parts.get("ranking")}
+        return _map(place, {**node, "default": "true" if default else None})
+
+    def _subset(self, item: _Declared) -> str:
+        match = item.parts.get("match", y.Scalar("within", plain=True))
+        text = text_of(self, match, f"'match' of {item.what}", item.what)
+        if text is not None and text not in _SUBSETS and isinstance(match, y.Scalar):
+            self.unknown_word(match, "match", tuple(_SUBSETS))
+        return _SUBSETS.get(text or "", "Guarantee")
+
+    def _dimension(self, item: _Declared, what: y.Node | None, subset: str) -> y.Map:
+        """Return what is observed, expected or guaranteed: true, categories or ranges."""
+        place = item.key.place if what is None else what.place
+        nodes: dict[str, y.Node | str] = {"type": item.parts.get("type", item.key)}
+        if isinstance(what, y.Items):
+            nodes |= {"covered": what, "subset": subset}
+            return _map(place, {"Categorical": _map(place, nodes)})
+        text = what and text_of(self, what, item.what, "")
+        if text and text != "bool" and isinstance(what, y.Scalar):
+            try:
+                ranges, unit = parse_ranges(text)
+            except Refused as refused:
+                self._refuse(what, refused, item.what)
+            else:
+                locate = inside_scalar(self._text, place)
+                covered: list[y.Node] = []
+                for name, start, end, offset in ranges:
+                    at = locate(offset)
+                    covered.append(_map(at, {name: _map(at, {"start": start, "end": end})}))
+                nodes |= {"covered": y.Items(tuple(covered), place)}
+                nodes |= {"subset": subset, "uom": y.Scalar(unit, plain=False, place=place)}
+                return _map(place, {"Numeric": _map(place, nodes)})
+        return _map(place, {"Binary": _map(place, nodes)})
+
+    def _row(self, item: _Declared, similar: SimilarNames) -> Row:
+        """Read an expression; of a faulty one stays what is known, so that checking can go on."""
+        node, none = item.main, Row("AND", [])
+        text = None if node is None else text_of(self, node, item.what, "")
+        if text is None or not isinstance(node, y.Scalar):
+            return none
+        try:
+            row, faults = parse_expression(text), []
+        except Refused as refused:
+            row, faults = none, [refused]
+        for term in _terms(row):
+            if term.id not in self._ids:
+                hint, id_ = similar.hint(term.id), y.shown(term.id)
+                faults.append(Refused("C008.no_term", term.offset, hint, id=id_))
+        for fault in faults:
+            self._refuse(node, fault, item.what)
+        known = [Term(id_, 0) for id_ in ids_in(text) if id_ in self._ids] if faults else []
+        return Row("AND", [*known]) if faults else row
+
+    def _refuse(self, node: y.Scalar, refused: Refused, subject: str) -> None:
+        """Report what is wrong inside of a text, at its character."""
+        at = y.Scalar("", plain=True, place=inside_scalar(self._text, node.place)(refused.offset))
+        self.report(refused.case, at, hint=refused.hint, subject=subject, **refused.fields)
+
+    def _join(self, item: _Declared, row: Row) -> None:
+        """Add the edges of a row, and the gates that its parentheses need, a row at a time."""
+        waiting = deque([(item.id, row)])
+        place = item.main.place if item.main else item.key.place
+        while waiting:
+            target, (_, terms) = waiting.popleft()
+            for term in terms:
+                if isinstance(term, Term):
+                    source = term.id
+                else:
+                    source = self._free_name(f"{item.id}_{term.word.lower()}")
+                    self._add_gate(source, term, place)
+                    waiting.append((source, term))
+                ends = {"from": source, "to": target}
+                texts = {key: y.Scalar(id_, plain=False, place=place) for key, id_ in ends.items()}
+                self._edges.append(_map(place, texts))
+
+    def _add_gate(self, id_: str, row: Row, place: Place) -> None:
+        node = y.Scalar(id_, plain=False, place=place)
+        self._gates.append(_map(place, {"id": node, "function": row.word.capitalize()}))
+
+    def _free_name(self, base: str) -> str:
+        name = base
+        while name in self._ids:
+            self._numbers[base] += 1
+            name = f"{base}_{self._numbers[base] + 1}"
+        self._ids.add(name)
+        return name
+
+    def _services(
+        self, services: list[_Declared], known: list[_Declared], kind: str
+    ) -> list[y.Node]:
+        """Return the services whose members are there."""
+        ids = {item.id for item in known}
+        similar = SimilarNames(sorted(ids))
+        nodes: list[y.Node] = []
+        for item in services:
+            unknown = [member for member in y.scalars_of(item.main) if member.text not in ids]
+            for member in unknown:
+                hint = similar.hint(member.text)
+                fields = {"name": item.what, "kind": kind, "member": y.shown(member.text)}
+                self.report("C008.unknown_member", member, hint=hint, **fields)
+            if not unknown:
+                type_ = item.parts.get("type", item.key)
+                node = {"id": item.key, "functional_service_type": type_, f"{kind}s": item.main}
+                nodes.append(_map(item.key.place, node))
+        return nodes
+
+
+def _terms(row: Row) -> Iterator[Term]:
+    for term in row.terms:
+        yield from [term] if isinstance(term, Term) else _terms(term)
