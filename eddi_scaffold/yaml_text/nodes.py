@@ -237,7 +237,7 @@ _HINTS = {
     "alias": "put the text with `*` in quotes",
     r"\n.*[:,\[-]\s+%": "write `percent`, or put the text in quotes",
     r"\n.*[:,\[-]\s+!": _NOT,
-    r"\n.*:\s+>=?\s*[-+.0-9]": "`>` begins a block of text: write `at least 20 %`, or put it in quotes",
+    r"\n.*:\s+>=?\s*[-+.0-9]": "`>` begins a block: write `at least 20 %`, or put it in quotes",
     _NO_COLON: "put a colon and a blank after the key",
     "mapping values are not allowed": (
         "indent the keys of one map alike; put a text with a colon in quotes"

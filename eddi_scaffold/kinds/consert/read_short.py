@@ -186,7 +186,7 @@ class _Expansion(Reader):
             except Refused as refused:
                 self._refuse(what, refused, item.what)
             else:
-                locate = inside_scalar(self._text, place)
+                locate = inside_scalar(self._text, place, text)
                 covered: list[y.Node] = []
                 for name, start, end, offset in ranges:
                     at = locate(offset)
@@ -217,7 +217,9 @@ class _Expansion(Reader):
 
     def _refuse(self, node: y.Scalar, refused: Refused, subject: str) -> None:
         """Report what is wrong inside of a text, at its character."""
-        at = y.Scalar("", plain=True, place=inside_scalar(self._text, node.place)(refused.offset))
+        at = y.Scalar(
+            "", plain=True, place=inside_scalar(self._text, node.place, node.text)(refused.offset)
+        )
         self.report(refused.case, at, hint=refused.hint, subject=subject, **refused.fields)
 
     def _join(self, item: _Declared, row: Row) -> None:
