@@ -12,7 +12,7 @@ pytestmark = pytest.mark.slow
 
 
 def copy(*words: object) -> subprocess.CompletedProcess[str]:
-    command = ["copier", "copy", "--trust", "--defaults", *map(str, words)]
+    command = ["copier", "copy", "--trust", "--defaults", "--vcs-ref", "HEAD", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 

@@ -2,7 +2,8 @@
 
 from .engine import NodeSpec, Part, Program
 from .monitor import BayesianNetworkMonitor
-from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome, Source
+from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
+from .readers import Source
 
 FORMAT = 3
 

@@ -9,16 +9,11 @@ from __future__ import annotations
 import math
 from functools import partial
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, List, Mapping, NamedTuple, Sequence, Tuple, Union
+from typing import Any, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
-from ..inputs import InputSpec
 from ..monitor import Json, Tree
 from ..plain_values import exactly, one_line, plain, show
 from .engine import Engine, NodeSpec, Rows
-
-if TYPE_CHECKING:
-    from .direct import DirectReader
-    from .readers import Discretiser
 
 Finding = Union[None, int, List[float]]
 """None: nothing is known. A number: the state, for sure. A list: likelihoods, the largest is 1."""
@@ -220,14 +215,6 @@ def _reads_nothing(code: Any) -> bool:
 
 Known = Union[str, Tuple[float, ...]]  # a state, or likelihoods of which the largest is 1
 NO_ANSWER = Answer()
-
-
-class Source(NamedTuple):
-    """A declared way from an input to a node."""
-
-    node: int
-    spec: InputSpec
-    reader: Discretiser | DirectReader
 
 
 class Step:
