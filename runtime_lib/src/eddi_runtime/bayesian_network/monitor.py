@@ -19,10 +19,10 @@ from .outputs import (
     Node,
     NotForeseenError,
     Outcome,
-    Source,
     Step,
 )
 from .outputs import Monitor as OfD72
+from .readers import Source
 
 Output = List[BayesianNetworkOutput]
 Named = Dict[str, Union[bool, float, str, None]]
