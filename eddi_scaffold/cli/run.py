@@ -13,7 +13,7 @@ import typer
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Files, for_pictures
 from eddi_scaffold.common.files import read_source, refuse_input
-from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 
 if TYPE_CHECKING:
     from eddi_scaffold.monitors.binding import BoundMonitor
@@ -147,7 +147,7 @@ def _models_and_configs(
 ) -> tuple[list[Path], list[Path]]:
     """Separate models from configurations, which may be given instead of their models."""
     from eddi_scaffold.config.file import named_model_path
-    from eddi_scaffold.monitors.config_reading import read_config
+    from eddi_scaffold.monitors.config_reading import read_file
     from eddi_scaffold.monitors.loading import is_config
 
     if len(files) == 1 and configs:
@@ -155,10 +155,10 @@ def _models_and_configs(
     sources = {path: read_source(path) for path in files}
     models = [path for path, source in sources.items() if not is_config(source)]
     for path in [] if models else files:
-        parsed, problems = read_config(sources[path], robot)
-        if parsed is None:
+        parsed, problems = read_file(sources[path], robot)
+        if has_errors(problems):
             raise EddiError(*problems)
-        if named_model_path(parsed) is None:
+        if any(named_model_path(config) is None for config in parsed):
             place = Place(str(path))
             raise EddiError(problem("F003.configuration_without_model", place, path=path))
     return models, [*configs, *(path for path in sources if path not in models)]

@@ -244,8 +244,6 @@ class Cursor:
         if number.kind != "number" or unit.text not in DURATIONS:
             hint = f"the unit is one of {', '.join(DURATIONS)}"
             self._fail("E005.duration", hint=hint, shown=number.shown)
-        if unit.start != number.end:
-            self._fail("E005.apart", number=number.text, unit=unit.text)
         value, scale = float(number.text), DURATIONS[unit.text]
         if not value * scale < 2.0**62:
             self._fail("E013.duration")

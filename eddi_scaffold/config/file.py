@@ -180,6 +180,8 @@ class ConfigFile(Placed):
     def as_json(self) -> str:
         """Return configuration and files of events as canonical JSON: what the answers remember."""
         document = self.config.model_dump(exclude_defaults=True)
+        if named := named_model(self):  # D7.2 names it in several ways
+            document["Model"]["parameters"] = [{"model": named[0]}]
         if self.event_files:
             document[_EVENT_FILES] = dict(self.event_files)
         return json.dumps(_sorted(document), indent=1)

@@ -59,6 +59,9 @@ def _number(
             return value
         if words and isinstance(value, str) and value.casefold() in ("none", "never"):
             raise HintedError(f"{what} are expected", "write `none` for no limit")
+        match = _QUANTITY.fullmatch(value.strip().casefold()) if isinstance(value, str) else None
+        if match is not None and match[2] and match[2] in units:
+            value = float(f"{float(match[1]) * units[match[2]]:.15g}")
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise HintedError(f"{what} are expected", _number_hint(value, units))
         if not is_legal(value):  # never true of not-a-number

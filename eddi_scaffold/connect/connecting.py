@@ -42,6 +42,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs
 from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
 from eddi_scaffold.monitors.message_types import known_messages
+from eddi_scaffold.monitors.spellings import default_outputs
 from eddi_scaffold.mros.topics import slug
 from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, value_11
 
@@ -341,10 +342,7 @@ class _Connecting:
         return section
 
     def _outputs(self) -> list[dict[str, JsonValue]]:
-        parts, package = self.model.separate_outputs(), self.package
-        if len(parts) > 1:
-            return [{"id": part, "topic": f"{package}/{part}", "event": part} for part in parts]
-        return [{"id": package, "topic": f"{package}/{self.kind.topic}"}]
+        return default_outputs(self.package, self.kind, self.model.separate_outputs())
 
     def _unknown_inputs(self, ids: Sequence[str]) -> Iterator[Problem]:
         """Warn of entries that the model has no input for (K013)."""

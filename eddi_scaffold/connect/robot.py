@@ -13,7 +13,7 @@ from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import EddiError, Problem, did_you_mean, problem
 from eddi_scaffold.config.field_types import declared
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.monitors.config_reading import RobotAdditions, read_config
+from eddi_scaffold.monitors.config_reading import RobotAdditions, read_file
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import (
     SYSTEM_SUFFIX,
@@ -191,11 +191,10 @@ def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
         source = read_source(path)
     except EddiError:
         return  # reported when the file itself is checked
-    config = read_config(source)[0] if is_config(source) else None
-    if config is None:
-        return
     known = {topic.topic: topic.type.replace(".", "/") for topic in outputs.topics}
-    for index, entry in enumerate(config.config.SimulatorOutputs):
+    configs = read_file(source)[0] if is_config(source) else []
+    listed = [(c, *entry) for c in configs for entry in enumerate(c.config.SimulatorOutputs)]
+    for config, index, entry in listed:
         fields: dict[str, Any] = {"system": system, "topic": entry.topic}
         type_ = known.get(entry.topic)
         if type_ is None:

@@ -17,7 +17,7 @@ from eddi_scaffold.deployments.wiring import members_of
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.config_reading import RobotAdditions, read_config
+from eddi_scaffold.monitors.config_reading import RobotAdditions, read_file
 from eddi_scaffold.monitors.input_binding import UnwrittenInput
 from eddi_scaffold.monitors.loading import (
     checked_models,
@@ -98,8 +98,8 @@ class _Check:
     def read(self, source: Source) -> None:
         """Read a file, with all that is wrong with it by itself."""
         if is_config(source):
-            config, reported = read_config(source, self.robot, partly=True)
-            self.configs += [config] if config is not None else []
+            configs, reported = read_file(source, self.robot, partly=True)
+            self.configs += configs
             self.is_complete &= not has_errors(reported)
         else:
             reading = read_models(source, self.marks)

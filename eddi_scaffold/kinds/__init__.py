@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeAlias, cast
 
 from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meanings, Use
 from eddi_scaffold.common.problems import EddiError, Place
@@ -365,6 +365,15 @@ class Model:
         return None
 
 
+class ClaimField(NamedTuple):
+    """Where others find a claim in what a monitor publishes."""
+
+    message: str
+    field: str = "active"  # with {} for the id of the claim
+    behind: str = ""  # what follows the topic of the result
+    apart: bool = False  # where there are several, each is a message of its own
+
+
 @dataclass(frozen=True)
 class Kind:
     """What is known of a monitor kind before any of its models is looked at: cheap to import."""
@@ -382,6 +391,7 @@ class Kind:
     # XPath, below a root of an EDDI, of all that its models may be read from; empty for a kind of
     # which an EDDI has none
     in_eddi: str = ""
+    claim: ClaimField | None = None
     options: tuple[str, ...] = ()  # keys of `Model:` in a configuration that this kind understands
     # the same for what robots tell each other, of a kind that has guarantees
     between_robots: Mapping[str, str] = field(default_factory=dict)

@@ -14,7 +14,7 @@ from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.config.field_types import EITHER_TIMES, MessageFields, declared
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry
+from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry, OutputEntry
 from eddi_scaffold.kinds import (
     DeclaredInput,
     EditableMethod,
@@ -28,6 +28,7 @@ from eddi_scaffold.monitors import input_rules
 from eddi_scaffold.monitors.compiling import CompiledModule, MonitorFacts, compile_monitor
 from eddi_scaffold.monitors.input_binding import InputBinder, InputBinding
 from eddi_scaffold.monitors.message_types import known_messages
+from eddi_scaffold.monitors.spellings import default_outputs
 from eddi_scaffold.monitors.topic_types import check_types
 
 
@@ -99,6 +100,11 @@ def monitor_of(
     ``None`` when a problem is an error.
     """
     kind = kinds()[model.kind]
+    if config is not None and not config.config.EDDIOutputs:
+        package, parts = package_name(config.config.Model.id), model.separate_outputs()
+        outputs = [OutputEntry(**entry) for entry in default_outputs(package, kind, parts)]
+        filled = config.config.model_copy(update={"EDDIOutputs": outputs})
+        config = replace(config, config=filled)
     configured, problems = model.configure(options_of(config))
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known

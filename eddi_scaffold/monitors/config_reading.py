@@ -40,14 +40,9 @@ from eddi_scaffold.config.file import (
 from eddi_scaffold.config.schema import Config, ModelSection
 from eddi_scaffold.eddi_xml.parsing import looks_like_xml
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, read_map
+from eddi_scaffold.monitors.spellings import kinds_of_type, spelt_out
+from eddi_scaffold.yaml_text.nodes import Map, read_maps
 
-_ALIASES = {
-    "EDDIOoutputs": "EDDIOutputs",
-    "EDDIOOutputs": "EDDIOutputs",
-    "SimulatorOutput": "SimulatorOutputs",
-}
-"""Names of sections that D7.2's figures misspell."""
 _NO_OUTPUTS = (
     "SimulatorOutputs has none: `--system FILE --models DIR` takes them from the robot's models"
 )
@@ -67,49 +62,66 @@ def read_config(
     source: Source,
     robot: RobotAdditions | None = None,
     override: Map | None = None,
+) -> tuple[ConfigFile | None, list[Problem]]:
+    """Read the only configuration of a file; the result is ``None`` when a problem is an error."""
+    configs, problems = read_file(source, robot, override)
+    if len(configs) > 1:
+        place = configs[1].place("Model")
+        return None, [*problems, problem("K001.several", place, number=len(configs))]
+    return next(iter(configs), None), problems
+
+
+def read_file(
+    source: Source,
+    robot: RobotAdditions | None = None,
+    override: Map | None = None,
     *,
     partly: bool = False,
-) -> tuple[ConfigFile | None, list[Problem]]:
-    """Read a configuration; the result is ``None`` when a problem is an error.
+) -> tuple[list[ConfigFile], list[Problem]]:
+    """Read the configurations of a file, of each monitor a document; without those with errors.
 
     Topics and message types of a robot are used in addition to the file, and values of ``override``
-    in place of its own. With ``partly``, one with unknown keys is returned without them, to look
+    in place of its own. With ``partly``, those with unknown keys are returned without them, to look
     for what else is wrong.
     """
     if looks_like_xml(source.data):
-        return None, [problem("K001.xml", Place(source.name))]
-    document, problems = read_map(source, "K001")
-    if document is None:
-        return None, problems
-    if document.get("Model") is None:
+        return [], [problem("K001.xml", Place(source.name))]
+    documents, problems = read_maps(source, "K001")
+    if all(document.get("Model") is None for document in documents):
         title = next((kind.title for kind in kinds().values() if kind.recognises(source)), None)
-        if title is not None:
-            return None, [problem("K001.model", Place(source.name), title=title)]
-    entries = []
-    for key, node in document.entries:
-        name = _ALIASES.get(key.text, key.text)
-        entries.append((replace(key, text=name), node))
-        if name != key.text:
-            problems.append(problem("K002", key.place, key=key.text, name=name))
-    document = replace(document, entries=tuple(entries))
+        if title is not None and documents:
+            return [], [problem("K001.model", Place(source.name), title=title)]
+    documents, unclear = spelt_out(documents, source, override)
+    problems += unclear
+    configs: list[ConfigFile] = []
+    for document in documents:
+        config, reported = _read(document, source, robot, partly=partly)
+        configs += [config] if config is not None and not has_errors(problems) else []
+        problems += reported
+    return configs, in_order(problems)
+
+
+def _read(
+    document: Map, source: Source, robot: RobotAdditions | None, *, partly: bool
+) -> tuple[ConfigFile | None, list[Problem]]:
     places: Places = {}
-    data = plain_values(_overridden(document, override), places)
+    data = plain_values(document, places)
     # an empty section is an empty list, as D7.2's tools read it
     data = {key: [] if value is None and key != "Model" else value for key, value in data.items()}
     if robot is not None:
         data["SimulatorOutputs"] = robot.outputs(data.get("SimulatorOutputs") or [])
     open_values = list(undecided(document))
-    problems += [*_unknown_options(data.get("Model"), places, source.name), *open_values]
+    problems = [*_unknown_options(data.get("Model"), places, source.name), *open_values]
     wrong: list[Problem] = []
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
         reported = {problem.place for problem in open_values}
-        refused = violations(failed, places, source.name, Config)
-        wrong = [violation for violation in refused if violation.place not in reported]
+        broken = violations(failed, places, source.name, Config)
+        wrong = [violation for violation in broken if violation.place not in reported]
         known = _of_known_keys(data, failed) if partly else None
         if known is None:
-            return None, in_order([*problems, *wrong])
+            return None, [*problems, *wrong]
         config = known
     text = source.data.decode("utf-8-sig", "replace")
     file = ConfigFile(source.name, places, config, text=text)
@@ -117,18 +129,18 @@ def read_config(
     files, unread = _event_files(file)
     file = replace(file, event_files=files)
     problems += [*unread, *_repeated_ids(file), *_unknown_sources(file)]
-    return (None if has_errors(problems) else file), in_order([*problems, *wrong])
+    return (None if has_errors(problems) else file), [*problems, *wrong]
 
 
 def read_configs(
     files: Iterable[Path], robot: RobotAdditions | None = None
 ) -> tuple[list[ConfigFile], list[Problem]]:
     """Read the configurations of a command that needs all of them; an EddiError has the errors."""
-    results = [read_config(read_source(path), robot) for path in dict.fromkeys(files)]
+    results = [read_file(read_source(path), robot) for path in dict.fromkeys(files)]
     problems = [problem for _, problems in results for problem in problems]
     if has_errors(problems):
         raise EddiError(*problems)
-    return [config for config, _ in results if config is not None], problems
+    return [config for configs, _ in results for config in configs], problems
 
 
 def with_types(file: ConfigFile, known: MessageFields) -> ConfigFile:
@@ -140,48 +152,11 @@ def with_types(file: ConfigFile, known: MessageFields) -> ConfigFile:
     return replace(file, config=config.model_copy(update={"MessageTypes": fields}))
 
 
-def _overridden(document: Map, override: Map | None) -> Map:
-    """Return a document with other values; each keeps the place where it is written.
-
-    Maps are joined key by key, and lists of entries with an ``id`` entry by entry; anything else
-    is replaced as it is. Keys and entries that the document does not have are added to it.
-    """
-    entries = {key.text: (key, value) for key, value in document.entries}
-    for key, value in override.entries if override is not None else ():
-        own_key, own = entries.get(key.text, (key, value))
-        entries[key.text] = own_key, _joined(own, value)
-    return replace(document, entries=tuple(entries.values()))
-
-
-def _joined(value: Node, override: Node) -> Node:
-    if isinstance(value, Map) and isinstance(override, Map):
-        return _overridden(value, override)
-    if isinstance(value, Items) and isinstance(override, Items):
-        own, new = _by_id(value), _by_id(override)
-        if own is not None and new is not None:
-            joined = {id_: _overridden(entry, new.get(id_)) for id_, entry in own.items()}
-            return replace(value, items=tuple({**joined, **new, **joined}.values()))
-    return override
-
-
-def _by_id(items: Items) -> dict[str, Map] | None:
-    """Return the entries of a list by their ids, ``None`` where one has none, or two the same."""
-    entries = {
-        id_: item
-        for item in items.items
-        if isinstance(item, Map) and (id_ := as_text(item.get("id") or item)) is not None
-    }
-    return entries if len(entries) == len(items.items) else None
-
-
 def _unknown_options(section: object, places: Places, file: str) -> Iterator[Problem]:
     """Find keys of ``Model`` that the kind of its model does not understand (K003)."""
     if not isinstance(section, Mapping):
         return
-    type_ = str(section.get("type")).casefold()
-    fitting = [
-        kind for kind in kinds().values() if type_ in map(str.casefold, kind.config_types)
-    ]  # all kinds if it is unknown
+    fitting = kinds_of_type(str(section.get("type")))  # all kinds if it is unknown
     options = {key for kind in fitting or kinds().values() for key in kind.options}
     known = {*ModelSection.model_fields, *options}
     similar = SimilarNames(sorted(known), "known keys")
@@ -189,7 +164,7 @@ def _unknown_options(section: object, places: Places, file: str) -> Iterator[Pro
         place = places.get(("Model", key, KEY), Place(file))
         hint = hint_for_decimals(key) or similar.hint(key)
         if key in MODEL_KEYS and isinstance(section[key], str):
-            hint = f"the file of the model is named so: `parameters: [{{{key}: {section[key]}}}]`"
+            hint = f"write `model: {section[key]}`"
         yield problem("K003.unknown_key", place, hint=hint, key=key)
 
 

@@ -142,15 +142,13 @@ def _qos(qos: InputQos, start: str, end: str = "") -> str:
 
 
 def _check(node: MonitorNode) -> Iterator[Problem]:
-    """Find outputs that are missing, heard by their own monitor, or share a topic (K030, K031).
+    """Find outputs that are heard by their own monitor, or share a topic (K031).
 
     And what does not fit among robots.
 
     Topics are compared as a node outside of any namespace resolves them: `a/b` is `/a/b` there.
     """
     monitor, config = node.monitor, node.config
-    if not config.config.EDDIOutputs:
-        yield problem("K030", config.place("EDDIOutputs"))
     yield from check_fleet(monitor, config)
     heard = {monitor.topic(entry.topic) for entry in config.config.SimulatorOutputs}
     first: dict[str, Publication] = {}

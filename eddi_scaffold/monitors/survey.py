@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.survey import foreign, survey, unread
 from eddi_scaffold.kinds import JsonValue, Model, kinds
-from eddi_scaffold.monitors.config_reading import read_config
+from eddi_scaffold.monitors.config_reading import read_file
 from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, is_mros, read_models
 from eddi_scaffold.mros import (
     SYSTEM_SUFFIX,
@@ -91,10 +91,10 @@ def configured(
     configs: list[ConfigFile] = []
     problems: list[Problem] = []
     for file in (source, *more) if alone else more:
-        config, problems_of_file = read_config(file)
-        if config is None:
+        read, problems_of_file = read_file(file)
+        if has_errors(problems_of_file):
             raise EddiError(*problems_of_file)
-        configs.append(config)
+        configs += read
         problems += problems_of_file
     path = named_model_path(configs[0]) if alone else None
     return source if path is None else read_source(path), configs, problems
@@ -138,8 +138,7 @@ def inputs_of_others(configs: Sequence[Path]) -> dict[str, str]:
             if path in configs or path.suffix.lower() not in YAML_SUFFIXES or not path.is_file():
                 continue
             with suppress(EddiError):
-                config, _ = read_config(read_source(path))
-                if config is not None:
+                for config in read_file(read_source(path))[0]:
                     monitor = config.config.Model.id
                     text = f"it is an input of {monitor}: run both, with -c {path}"
                     for entry in config.config.EDDIInputs:

@@ -10,7 +10,7 @@ bombs, recursive aliases and deep nesting are a message like any other mistake.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -166,6 +166,31 @@ def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]
         return None, [*composer.problems, *refused.problems]
 
 
+def read_maps(source: Source, code: str) -> tuple[list[Map], list[Problem]]:
+    """Read all documents of a YAML file; the top level of each must be a map."""
+    composer = _Composer(source.name, code, has_many=True)
+    try:
+        composer.compose(source)
+    except EddiError as refused:
+        return [], [*composer.problems, *refused.problems]
+    maps = [root for root in composer.roots if isinstance(root, Map)]
+    for root in composer.roots:
+        if not isinstance(root, Map):
+            reason = f"the top level must be a map, not {describe(root)}"
+            composer.problems.append(problem(f"{code}.yaml", root.place, reason=reason))
+    return maps, composer.problems
+
+
+def map_of(place: Place, nodes: Mapping[str, Node | str | None]) -> Map:
+    """Return a map of the nodes that are there; a text becomes a scalar at the place."""
+    entries: list[tuple[Scalar, Node]] = []
+    for key, node in nodes.items():
+        if node is not None:
+            value = Scalar(node, plain=True, place=place) if isinstance(node, str) else node
+            entries.append((Scalar(key, plain=True, place=place), value))
+    return Map(tuple(entries), place)
+
+
 def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
     """Read the one document of a YAML file whose top level must be a map."""
     node, problems = read_document(source, code)
@@ -263,14 +288,14 @@ class _Open:
 
 
 class _Composer:
-    """Builds the node graph of one document from the events of the parser."""
+    """Builds the node graphs of the documents from the events of the parser."""
 
-    def __init__(self, name: str, code: str) -> None:
-        self.name, self.code = name, code
+    def __init__(self, name: str, code: str, *, has_many: bool = False) -> None:
+        self.name, self.code, self.has_many = name, code, has_many
         self.problems: list[Problem] = []
         self.open: list[_Open] = []
         self.anchors: dict[str, tuple[Node, int, int] | None] = {}
-        self.root: Node | None = None
+        self.roots: list[Node] = []
 
     def compose(self, source: Source) -> Node:
         if len(source.data) > MAX_BYTES:
@@ -288,9 +313,9 @@ class _Composer:
             shown = f" U+{ord(bad.group()):04X}" if bad else ""
             message = f"this is not YAML: the character{shown} is not allowed"
             raise self._fault(message, Place(self.name, len(lines), len(lines[-1]) + 1)) from None
-        if self.root is None:
+        if not self.roots:
             raise self._fault("the file contains no document", Place(self.name, 1, 1))
-        return self.root
+        return self.roots[0]
 
     def _fault(self, reason: str, place: Place, hint: str | None = None) -> EddiError:
         return EddiError(problem(f"{self.code}.yaml", place, hint=hint, reason=reason))
@@ -340,8 +365,10 @@ class _Composer:
             self._add(node, done.anchor, done.visits, done.depth + 1)
         elif isinstance(event, yaml.AliasEvent):
             self._alias(str(event.anchor), place)
-        elif isinstance(event, yaml.DocumentStartEvent) and self.root is not None:
-            raise self._fault("the file contains more than one document", place)
+        elif isinstance(event, yaml.DocumentStartEvent) and self.roots:
+            if not self.has_many:
+                raise self._fault("the file contains more than one document", place)
+            self.anchors.clear()
 
     def _alias(self, anchor: str, place: Place) -> None:
         if anchor not in self.anchors:
@@ -358,7 +385,7 @@ class _Composer:
         if anchor is not None:
             self.anchors[anchor] = (node, visits, depth)
         if not self.open:
-            self.root = node
+            self.roots.append(node)
             return
         parent = self.open[-1]
         parent.children.append(node)

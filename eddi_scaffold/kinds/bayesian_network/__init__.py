@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
 from eddi_scaffold.eddi_xml.vocabulary import NETWORKS
-from eddi_scaffold.kinds import Alias, Kind, messages_in
+from eddi_scaffold.kinds import Alias, ClaimField, Kind, messages_in
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -68,6 +68,7 @@ KIND = Kind(
     verdicts={"BayesianNetworkEvidence": _thresholds, "BayesianNetworkStatus": _facts},
     model="network_model.NetworkModel",
     topic="posteriors",
+    claim=ClaimField("BayesianNetworkEvidence", "evidence[{}].active", "/evidence"),
     in_eddi=NETWORKS,
     options=_KEYS,
     inputs_of_model=False,

@@ -11,7 +11,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
-from eddi_scaffold.kinds import Kind, messages_in
+from eddi_scaffold.kinds import ClaimField, Kind, messages_in
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -58,6 +58,7 @@ KIND = Kind(
     verdicts={"ConSertStatus": _status},
     model="consert_model.ConSertModel",
     topic="guarantees",
+    claim=ClaimField("ConSertOutput", "guarantees[{}].active"),
     in_eddi=".",  # its reader says what is misspelt, too
     options=OPTION_KEYS,
     without_input="no guarantee that needs it becomes active",

@@ -8,7 +8,7 @@ their places, and that ``export`` writes.
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from eddi_scaffold.common.files import Source
@@ -88,16 +88,6 @@ class _Declared(NamedTuple):
         return self.key.text
 
 
-def _map(place: Place, nodes: Mapping[str, y.Node | str | None]) -> y.Map:
-    """Return a map of the nodes that are there; a text becomes a scalar."""
-    entries: list[tuple[y.Scalar, y.Node]] = []
-    for key, node in nodes.items():
-        if node is not None:
-            value = y.Scalar(node, plain=True, place=place) if isinstance(node, str) else node
-            entries.append((y.Scalar(key, plain=True, place=place), value))
-    return y.Map(tuple(entries), place)
-
-
 class _Expansion(Reader):
     """Makes the full form of a short one."""
 
@@ -129,7 +119,7 @@ class _Expansion(Reader):
             "provided_services": self._services(of["provides"], of["guarantees"], "guarantee"),
         }
         lists = {key: y.Items(tuple(items), root.place) for key, items in full.items()}
-        return _map(root.place, lists)
+        return y.map_of(root.place, lists)
 
     def _declared(self, root: y.Map, section: str) -> Iterator[_Declared]:
         node, (kind, form) = root.get(section), _SECTIONS[section]
@@ -149,7 +139,9 @@ class _Expansion(Reader):
         subset, place = self._subset(item), item.key.place
         of: y.Node = self._dimension(item, item.main, "Demand" if key == "dimension" else subset)
         of = of if key == "dimension" else y.Items((of,), place)
-        return _map(place, {"id": item.key, "description": item.parts.get("description"), key: of})
+        return y.map_of(
+            place, {"id": item.key, "description": item.parts.get("description"), key: of}
+        )
 
     def _guarantee(self, item: _Declared, similar: SimilarNames) -> y.Node:
         parts, place = item.parts, item.key.place
@@ -163,7 +155,7 @@ class _Expansion(Reader):
         of = self._dimension(item, parts.get("gives"), self._subset(item))
         node = {"id": item.key, "description": parts.get("description")}
         node |= {"dimensions": y.Items((of,), place), "ranking": parts.get("ranking")}
-        return _map(place, {**node, "default": "true" if default else None})
+        return y.map_of(place, {**node, "default": "true" if default else None})
 
     def _subset(self, item: _Declared) -> str:
         match = item.parts.get("match", y.Scalar("within", plain=True))
@@ -178,7 +170,7 @@ class _Expansion(Reader):
         nodes: dict[str, y.Node | str] = {"type": item.parts.get("type", item.key)}
         if isinstance(what, y.Items):
             nodes |= {"covered": what, "subset": subset}
-            return _map(place, {"Categorical": _map(place, nodes)})
+            return y.map_of(place, {"Categorical": y.map_of(place, nodes)})
         text = what and text_of(self, what, item.what, "")
         if text and text != "bool" and isinstance(what, y.Scalar):
             try:
@@ -190,11 +182,11 @@ class _Expansion(Reader):
                 covered: list[y.Node] = []
                 for name, start, end, offset in ranges:
                     at = locate(offset)
-                    covered.append(_map(at, {name: _map(at, {"start": start, "end": end})}))
+                    covered.append(y.map_of(at, {name: y.map_of(at, {"start": start, "end": end})}))
                 nodes |= {"covered": y.Items(tuple(covered), place)}
                 nodes |= {"subset": subset, "uom": y.Scalar(unit, plain=False, place=place)}
-                return _map(place, {"Numeric": _map(place, nodes)})
-        return _map(place, {"Binary": _map(place, nodes)})
+                return y.map_of(place, {"Numeric": y.map_of(place, nodes)})
+        return y.map_of(place, {"Binary": y.map_of(place, nodes)})
 
     def _row(self, item: _Declared, similar: SimilarNames) -> Row:
         """Read an expression; of a faulty one stays what is known, so that checking can go on."""
@@ -237,11 +229,11 @@ class _Expansion(Reader):
                     waiting.append((source, term))
                 ends = {"from": source, "to": target}
                 texts = {key: y.Scalar(id_, plain=False, place=place) for key, id_ in ends.items()}
-                self._edges.append(_map(place, texts))
+                self._edges.append(y.map_of(place, texts))
 
     def _add_gate(self, id_: str, row: Row, place: Place) -> None:
         node = y.Scalar(id_, plain=False, place=place)
-        self._gates.append(_map(place, {"id": node, "function": row.word.capitalize()}))
+        self._gates.append(y.map_of(place, {"id": node, "function": row.word.capitalize()}))
 
     def _free_name(self, base: str) -> str:
         name = base
@@ -267,7 +259,7 @@ class _Expansion(Reader):
             if not unknown:
                 type_ = item.parts.get("type", item.key)
                 node = {"id": item.key, "functional_service_type": type_, f"{kind}s": item.main}
-                nodes.append(_map(item.key.place, node))
+                nodes.append(y.map_of(item.key.place, node))
         return nodes
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
-from eddi_scaffold.kinds import Kind, messages_in
+from eddi_scaffold.kinds import ClaimField, Kind, messages_in
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -37,6 +37,7 @@ KIND = Kind(
     verdicts={"EventOutput": _status},
     model="event_model.EventModel",
     topic="events",
+    claim=ClaimField("EventOutput", apart=True),
     in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.events"]',
 )
 """What the generator knows of events."""

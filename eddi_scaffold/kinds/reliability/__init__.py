@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common import claims
 from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES
-from eddi_scaffold.kinds import Kind, messages_in
+from eddi_scaffold.kinds import ClaimField, Kind, messages_in
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -87,6 +87,7 @@ KIND = Kind(
     verdicts={"ReliabilityOutput": _status_of},
     model="reliability_model.ReliabilityModel",
     topic="reliability",
+    claim=ClaimField("ReliabilityOutput", "evidence[{}].active"),
     in_eddi=CHAINS_AND_TREES,
     options=KEYS,
     without_input="p_fail is the worst case of it, and not valid",

@@ -249,9 +249,10 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
     thresholds: dict[str, Threshold] = {}
     owners: dict[str, str] = {}  # of topics
     for entry in values.maps("thresholds"):
-        entry.only("id", "activate", "release", "hold", "topic")
+        key = "activate" if entry.has("activate") else "at_most"  # the former name
+        entry.only("id", key, "release", "hold", "topic")
         name = entry.text("id", required=True)
-        activate = entry.number("activate", 0.0, 1.0, None, required=True)
+        activate = entry.number(key, 0.0, 1.0, None, required=True)
         release = entry.number("release", 0.0, 1.0, activate)
         hold = entry.quantity("hold", duration, 0.0, needs_unit=True)
         topic = entry.text("topic")

@@ -27,7 +27,7 @@ def to_yaml(system: ReliabilitySystem) -> str:
     horizon = _quantity("age", system.horizon)
     end = {"horizon": "mission_end", "mission_time": horizon}
     thresholds = [
-        {"id": t.id, "activate": t.activate, "release": t.release, "hold": f"{t.hold!r} s"}
+        {"id": t.id, "at_most": t.activate, "release": t.release, "hold": f"{t.hold!r} s"}
         | ({"topic": t.topic} if t.topic else {})
         for t in system.thresholds
     ]

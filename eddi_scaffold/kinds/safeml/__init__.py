@@ -15,7 +15,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
-from eddi_scaffold.kinds import Kind, messages_in
+from eddi_scaffold.kinds import ClaimField, Kind, messages_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -74,7 +74,8 @@ KIND = Kind(
     respelt=_respelt,
     verdicts={"SafeMLStatus": _status},
     model="safeml_model.SafeMLModel",
-    topic="safeml",
+    topic="scope",
+    claim=ClaimField("SafeMLStatus", "{}", "/status"),
     in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.safeml"]',
     requirements=("numpy",),
     named_by_config=True,

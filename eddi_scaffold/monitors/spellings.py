@@ -1,0 +1,307 @@
+"""What people write in a configuration -> the form that D7.2's tools read, and the generator.
+
+``from:`` becomes ``requires``, ``field`` or ``expression``; ``MONITOR.CLAIM`` the topic of a
+monitor in the same file; topics of the first document those of each monitor that uses them. Every
+node keeps the place where it is written.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+from eddi_scaffold.common.files import Source, next_to, read_source
+from eddi_scaffold.common.identifiers import package_name
+from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
+from eddi_scaffold.config.file import MODEL_KEYS
+from eddi_scaffold.config.schema import MONITOR_AGE
+from eddi_scaffold.kinds import Kind, kinds
+from eddi_scaffold.yaml_text.nodes import (
+    Items,
+    Map,
+    Node,
+    Scalar,
+    as_text,
+    items_of,
+    map_of,
+    scalars_of,
+)
+
+_ALIASES = {
+    "EDDIOoutputs": "EDDIOutputs",
+    "EDDIOOutputs": "EDDIOutputs",
+    "SimulatorOutput": "SimulatorOutputs",
+}
+"""Names of sections that D7.2's figures misspell."""
+_COMMON = ("SimulatorOutputs", "MessageTypes", "Package")
+_PATH = re.compile(r"(?P<head>[A-Za-z_]\w*)(?P<rest>(?:\.[A-Za-z_]\w*|\[[^\[\]]*\])*)")
+_CLAIM = re.compile(r'"[^"]*"|(?<![\w.])(?P<monitor>[A-Za-z_]\w*)\.(?P<claim>[A-Za-z_]\w*)')
+_BLANK = re.compile(r'("[^"]*")|(?<=[0-9]) +(?=(?:ms|s|min|h)\b)')  # before the unit of a duration
+_INSTEAD = ("requires", "field", "expression", "expression_file", "states")
+
+
+def joined(document: Map, other: Map | None) -> Map:
+    """Return a document with other values; each keeps the place where it is written.
+
+    Maps are joined key by key, and lists of entries with an ``id`` entry by entry; anything else
+    is replaced as it is. Keys and entries that the document does not have are added to it.
+    """
+    entries = {key.text: (key, value) for key, value in document.entries}
+    for key, value in other.entries if other is not None else ():
+        own_key, own = entries.get(key.text, (key, value))
+        entries[key.text] = own_key, _joined(own, value)
+    return replace(document, entries=tuple(entries.values()))
+
+
+def _joined(value: Node, other: Node) -> Node:
+    if isinstance(value, Map) and isinstance(other, Map):
+        return joined(value, other)
+    if isinstance(value, Items) and isinstance(other, Items):
+        own, new = _by_id(value), _by_id(other)
+        if own is not None and new is not None:
+            both = {id_: joined(entry, new.get(id_)) for id_, entry in own.items()}
+            return replace(value, items=tuple({**both, **new, **both}.values()))
+    return other
+
+
+def _text(node: Node | None, key: str) -> str | None:
+    """Return the text of a key of a map."""
+    value = node.get(key) if isinstance(node, Map) else None
+    return None if value is None else as_text(value)
+
+
+def _texts(place: Place, texts: Mapping[str, str]) -> Map:
+    return map_of(place, {k: Scalar(text, plain=False, place=place) for k, text in texts.items()})
+
+
+def _by_id(items: Items) -> dict[str, Map] | None:
+    """Return the entries of a list by their ids, ``None`` where one has none, or two the same."""
+    entries = {
+        id_: item
+        for item in items.items
+        if isinstance(item, Map) and (id_ := _text(item, "id")) is not None
+    }
+    return entries if len(entries) == len(items.items) else None
+
+
+def default_outputs(package: str, kind: Kind, parts: Sequence[str]) -> list[dict[str, Any]]:
+    """Return the ``EDDIOutputs`` of a configuration that names none."""
+    if len(parts) > 1:
+        return [{"id": part, "topic": f"{package}/{part}", "event": part} for part in parts]
+    return [{"id": package, "topic": f"{package}/{kind.topic}"}]
+
+
+def kinds_of_type(type_: str | None) -> list[Kind]:
+    """Return the kinds that the ``Model: type:`` of a configuration can mean."""
+    name = (type_ or "").casefold()
+    return [kind for kind in kinds().values() if name in map(str.casefold, kind.config_types)]
+
+
+def spelt_out(
+    documents: Sequence[Map], source: Source, override: Map | None = None
+) -> tuple[list[Map], list[Problem]]:
+    """Return the configuration of each monitor in a file, from its documents."""
+    problems: list[Problem] = []
+    common, own = (
+        Map(()),
+        [joined(_renamed(document, problems), override) for document in documents],
+    )
+    if len(own) > 1 and own[0].get("Model") is None:
+        common, *own = own
+    robot = _Robot(source, own)
+    robot.problems += problems
+    for key, _ in common.entries:
+        if key.text not in _COMMON:
+            robot.problems.append(problem("K003.common", key.place, key=key.text))
+    return [robot.spelt_out(_with_common(common, document)) for document in own], robot.problems
+
+
+def _renamed(document: Map, problems: list[Problem]) -> Map:
+    """Return a document with the names of its sections as they are meant."""
+    entries = []
+    for key, node in document.entries:
+        name = _ALIASES.get(key.text, key.text)
+        entries.append((replace(key, text=name), node))
+        if name != key.text:
+            problems.append(problem("K002", key.place, key=key.text, name=name))
+    return replace(document, entries=tuple(entries))
+
+
+def _with_common(common: Map, document: Map) -> Map:
+    """Return a document with what is common to all, of the topics those that it mentions."""
+    texts = {scalar.text for scalar in scalars_of(document)}
+    words = {word for text in texts for word in re.findall(r"\w+", text)} | texts
+    entries = []
+    for key, value in common.entries:
+        used = [item for item in items_of(value) if _text(item, "id") in words]
+        entries.append((key, Items(tuple(used), value.place) if key.text == _COMMON[0] else value))
+    return joined(Map(tuple(entries), document.place), document)
+
+
+class _Robot:
+    """The monitors of one file."""
+
+    def __init__(self, source: Source, documents: Sequence[Map]) -> None:
+        self.source = source
+        self.problems: list[Problem] = []
+        self.documents: dict[str, Map] = {}
+        for document in documents:
+            id_ = _text(document.get("Model"), "id")
+            if id_ is not None:
+                self.documents.setdefault(id_, document)
+
+    def spelt_out(self, document: Map) -> Map:
+        """Return a configuration in full."""
+        outputs = document.get("SimulatorOutputs")
+        topics = {
+            as_text(item.get("id") or item) for item in items_of(outputs) if isinstance(item, Map)
+        }
+        read: dict[str, Map] = {}
+        full: dict[str, tuple[Scalar, Node]] = {}
+        for key, value in document.entries:
+            node = value
+            if key.text == "Model" and isinstance(value, Map):
+                node = _model(value)
+            elif key.text == "EDDIInputs" and isinstance(value, Items):
+                inputs = tuple(self._input(item, topics, read) for item in value.items)
+                node = replace(value, items=inputs)
+            full[key.text] = key, node
+        if read:
+            key, value = full.get(
+                "SimulatorOutputs", (Scalar("SimulatorOutputs", plain=True), Items(()))
+            )
+            full["SimulatorOutputs"] = key, Items((*items_of(value), *read.values()), value.place)
+        return replace(document, entries=tuple(full.values()))
+
+    def _input(self, entry: Node, topics: Collection[str | None], read: dict[str, Map]) -> Node:
+        node = entry.get("from") if isinstance(entry, Map) else None
+        if node is None or not isinstance(entry, Map):
+            return entry
+        text, place = as_text(node), node.place
+        clashing = [key for key in _INSTEAD if entry.get(key) is not None]
+        self.problems += [problem("K003.from", place, key=key) for key in clashing]
+        if text is None:
+            self.problems.append(problem("K003.from_text", place))
+            return entry
+        match, new = _PATH.fullmatch(text.strip()), dict[str, Node | str | None]()
+        before = len(read)
+        if match is not None and (match["head"] in topics or match["head"] not in self.documents):
+            head, rest = match["head"], match["rest"]
+            self._clash(head, topics, node)
+            new["requires"] = Items((Scalar(head, plain=False, place=place),), place)
+            col = None if place.col is None else place.col + len(head) + 1
+            field = Scalar(rest.removeprefix("."), plain=False, place=replace(place, col=col))
+            new["field"] = field if rest else None
+        elif match is not None:
+            reading = self._reading(match["head"], match["rest"].removeprefix("."), node, read)
+            if reading is not None:
+                new["requires"] = Items((Scalar(reading[0], plain=False, place=place),), place)
+                new["field"] = Scalar(reading[1], plain=False, place=place)
+        else:
+
+            def spelt(claim: re.Match[str]) -> str:
+                name = claim["monitor"]
+                if name is None or name in topics or name not in self.documents:
+                    self._clash(name, topics, node)
+                    return claim[0]
+                reading = self._reading(name, claim["claim"], node, read)
+                return claim[0] if reading is None else ".".join(reading)
+
+            written = _BLANK.sub(lambda blank: blank[1] or "", text)
+            new["expression"] = Scalar(_CLAIM.sub(spelt, written), plain=False, place=place)
+        if len(read) > before and entry.get("max_age") is None:
+            new["max_age"] = str(MONITOR_AGE)
+        entries: list[tuple[Scalar, Node]] = []
+        for key, value in entry.entries:
+            entries += map_of(place, new).entries if key.text == "from" else [(key, value)]
+        return replace(entry, entries=tuple(entries))
+
+    def _clash(self, name: str | None, topics: Collection[str | None], node: Node) -> None:
+        if name in topics and name in self.documents:
+            self.problems.append(problem("K006.topic_and_monitor", node.place, name=name))
+
+    def _reading(
+        self, monitor: str, claim: str, node: Node, read: dict[str, Map]
+    ) -> tuple[str, str] | None:
+        """Return id and field by which a claim of another monitor is read; note its topic."""
+        document = self.documents[monitor]
+        model = document.get("Model")
+        kind = next(iter(kinds_of_type(_text(model, "type"))), None)
+        if kind is None or kind.claim is None or not claim:
+            if kind is not None:
+                hint = f"such as {monitor}.CLAIM"
+                self.problems.append(problem("K007.claim", node.place, hint=hint, monitor=monitor))
+            return None
+        package = package_name(monitor)
+        parts = self._parts(model, kind) if kind.claim.apart else ()
+        if parts and claim not in parts:
+            hint = did_you_mean(claim, parts) or f"there are: {', '.join(parts)}"
+            self.problems.append(problem("K007.claim", node.place, hint=hint, monitor=monitor))
+            return None
+        outputs = [item for item in items_of(document.get("EDDIOutputs")) if isinstance(item, Map)]
+        texts = [{key.text: as_text(value) for key, value in item.entries} for item in outputs]
+        texts = texts or [dict(output) for output in default_outputs(package, kind, parts)]
+        all_of_it = [text for text in texts if not text.get("field")]
+        fitting = [text for text in all_of_it if text.get("event") in {None, claim}]
+        topic = next((text["topic"] for text in fitting if text.get("topic")), None)
+        if topic is None:
+            hint = "it has no topic in `EDDIOutputs`"
+            self.problems.append(problem("K007.claim", node.place, hint=hint, monitor=monitor))
+            return None
+        id_ = f"{package}_{claim}" if len(all_of_it) > 1 else package
+        place = node.place
+        entry = {
+            "id": id_,
+            "type": f"eddi_messages/{kind.claim.message}",
+            "topic": topic + kind.claim.behind,
+        }
+        read.setdefault(
+            id_, map_of(place, {k: Scalar(v, plain=False, place=place) for k, v in entry.items()})
+        )
+        return id_, kind.claim.field.format(claim)
+
+    def _parts(self, model: Node | None, kind: Kind) -> Sequence[str]:
+        """Return the parts of a model that are published apart, of a file that is there."""
+        parameters = items_of(model.get("parameters") if isinstance(model, Map) else None)
+        named = (_text(item, key) for item in (model, *parameters) for key in MODEL_KEYS)
+        name = next(filter(None, named), None)
+        with suppress(EddiError, OSError, ValueError):  # told where the model is read
+            source = read_source(next_to(self.source.name, name or ""))
+            models = kind.model_class.read_file(source, ()).models
+            return models[0].separate_outputs() if models else ()
+        return ()
+
+
+def _model(section: Map) -> Map:
+    """Return a section with the file of the model as D7.2 names it, and thresholds of a network."""
+    entries: list[tuple[Scalar, Node]] = []
+    of_type = kinds_of_type(_text(section, "type"))
+    is_network = any("evidence" in kind.options for kind in of_type)
+    for key, value in section.entries:
+        if key.text == "model" and isinstance(value, Scalar):
+            file = map_of(value.place, {"model": value})
+            entries.append((replace(key, text="parameters"), Items((file,), value.place)))
+        elif key.text == "thresholds" and is_network and isinstance(value, Items):
+            items = tuple(map(_threshold, value.items))
+            entries.append((replace(key, text="evidence"), replace(value, items=items)))
+        else:
+            entries.append((key, value))
+    return replace(section, entries=tuple(entries))
+
+
+def _threshold(entry: Node) -> Node:
+    """Return a threshold with node and state in place of ``of: Lost=Yes``."""
+    of = _text(entry, "of")
+    if of is None or not isinstance(entry, Map):
+        return entry
+    entries: list[tuple[Scalar, Node]] = []
+    for key, value in entry.entries:
+        if key.text == "of":
+            node, _, state = (part.strip() for part in of.partition("="))
+            entries += _texts(value.place, {"node": node, "state": state}).entries
+        else:
+            entries.append((key, value))
+    return replace(entry, entries=tuple(entries))
