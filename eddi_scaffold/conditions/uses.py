@@ -65,8 +65,8 @@ class _Walk:
                 tests = (self._test(part, side) for part, side in parts)
                 group = (*companions, *(test for test in tests if test is not None))
                 waiting += [(part, side, group) for part, side in parts]
-            elif (counted := self._counted(node)) is not None:
-                waiting.append((counted[0], sign == counted[1], ()))
+            elif node.op in _TURNED and (counts := self._counts(node)):
+                waiting += [(arg, sign == more, ()) for arg, more in counts]
             elif node.op in _SIGNS:
                 companions = companions if node.op in _NOW else ()
                 signs = zip(node.args, _SIGNS[node.op], strict=True)
@@ -124,16 +124,15 @@ class _Walk:
 
         return variable.name, holds
 
-    def _counted(self, node: Operation) -> tuple[int, bool] | None:
+    def _counts(self, node: Operation) -> list[tuple[int, bool]]:
         """Return what a comparison counts, and whether more of it brings the comparison about."""
-        op = node.op
-        if op not in _TURNED:
-            return None
         left, right = (self._nodes[arg] for arg in node.args)
-        if right.op == "count":
-            left, right, op = right, left, _TURNED[op]
-        is_count = left.op == "count" and right.op == "number"
-        return (left.args[0], op in ("gt", "ge")) if is_count else None
+        ops = ((left, right, node.op), (right, left, _TURNED[node.op]))
+        return [
+            (count.args[0], op in ("gt", "ge"))
+            for count, limit, op in ops
+            if count.op == "count" and limit.op == "number"
+        ]
 
     def _plain(self, node: Operation) -> Read | None:
         """Return the variable that a node is, unless it is a reduction of a list."""
