@@ -14,16 +14,8 @@ from eddi_scaffold.program.instructions import Program, Read
 from eddi_scaffold.program.standalone import StandaloneMonitor
 from tests.conditions.formulas import Step
 
-FLAGS = [
-    "-std=c99",
-    "-pedantic",
-    "-Wall",
-    "-Wextra",
-    "-Werror",
-    "-Wconversion",
-    "-Wshadow",
-    "-ffp-contract=off",
-]
+WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wshadow")
+FLAGS = ["-std=c99", "-pedantic", *WARNINGS, "-ffp-contract=off"]
 SANITIZE = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all", "-g"]
 
 

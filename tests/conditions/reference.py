@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from eddi_scaffold.conditions.syntax import File, SyntaxNode
 
 WINDOWS = {"average", "sum", "max", "min", "median", "stddev", "rate", "count", "time", "once"}
+_ARITHMETIC = {"neg", "abs", "sqrt", "add", "sub", "mul", "div"}
+_ARITHMETIC |= {"hypot", "least", "greatest", "clamp"}
 
 
 class NearTie(Exception):  # noqa: N818 - no error: a verdict that nobody can know
@@ -227,19 +229,7 @@ def combine(op: str, args: list[object]) -> object:
         return not args[0]
     if op == "xor":
         return args[0] is not args[1]
-    if op in (
-        "neg",
-        "abs",
-        "add",
-        "sub",
-        "mul",
-        "div",
-        "sqrt",
-        "hypot",
-        "least",
-        "greatest",
-        "clamp",
-    ):
+    if op in _ARITHMETIC:
         return arithmetic(op, args)
     a, b = args
     numbers = not isinstance(a, bool | str)

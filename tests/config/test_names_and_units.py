@@ -37,25 +37,6 @@ def test_ros2_says_what_its_rule_is(old: str, new: str, where: str, tmp_path: Pa
     assert f"{where}: on ROS 2 no part of a name may begin with a digit [K003]" in found.err
 
 
-def test_a_draft_passes_check(tmp_path: Path) -> None:
-    pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
-    from tests.recordings.test_bags import written
-
-    shutil.copy(FIELD / "ros1-digit-topic" / "near.events", tmp_path)
-    float32 = "std_msgs/msg/Float32"
-    written(
-        tmp_path / "a.bag",
-        [(k / 10, "/entity/1/nearest", float32, {"data": 3.0}) for k in range(20)]
-        + [(k / 10, "/not-ros", float32, {"data": 3.0}) for k in range(20)],
-    )
-    words = ("connect", "near.events", "--bag", "a.bag", "-o", "near.yml")
-    assert run(*words, cwd=tmp_path).status in (0, 1)
-    text = (tmp_path / "near.yml").read_text("utf-8")
-    assert "/entity/1/nearest" in text
-    assert "/not-ros" not in text
-    assert "K003" not in run("check", "near.events", "near.yml", cwd=tmp_path).err
-
-
 def soc(folder: Path, unit: str, *, field: str = "percentage", declared: str = "") -> Result:
     text = (FIELD / "unit-ratio" / "soc.events").read_text("utf-8")
     (folder / "soc.events").write_text(text.replace("NUMBER", f"NUMBER {declared}"), "utf-8")
