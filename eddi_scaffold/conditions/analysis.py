@@ -99,13 +99,13 @@ def analyse(
     """
     if rate is not None and not 1e-6 <= rate <= 1e9:
         raise EddiError(problem("E005.rate_range", rate=rate))
-    findings = TextFindings(text, locate or in_text(text, name))
+    findings = TextFindings(locate or in_text(text, name))
     builder = GraphBuilder(1 if any_rate else round(1e9 / rate) if rate is not None else 0)
     file = parse(text, findings)
     if not file.events and not findings.problems:
         findings.add("E026.no_event", 0)
     file = file if only is None else file.reduced_to(only)
-    outer = parse(declarations, TextFindings("", in_text(declarations))) if declarations else None
+    outer = parse(declarations) if declarations else None
     scope = build_scope(file, findings, variables, outer)
     if not has_errors(findings.problems):
         infer_types(file, scope)

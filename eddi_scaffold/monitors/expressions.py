@@ -8,7 +8,7 @@ from functools import partial
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
+from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.conditions.analysis import ExpressionText, compile_input
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
@@ -153,7 +153,7 @@ class ExpressionBinder:
         if text is None:
             self._report("K033.no_text", "expression_file", name=name)
             return []
-        findings = TextFindings(text, in_text(text, self.config.path(name)))
+        findings = TextFindings(in_text(text, self.config.path(name)))
         events = {event.name: event for event in parse(text, findings).events}
         if has_errors(findings.problems):
             self.problems += findings.problems
@@ -181,12 +181,12 @@ class ExpressionBinder:
     def _variables(self, texts: Sequence[ExpressionText]) -> dict[str, Variable]:
         """Return what each name of the expressions is, by the types of the messages."""
         text_of_all = "\n".join(self.config.config.declarations)
-        declared = parse(text_of_all, TextFindings("", lambda _: Place()))
+        declared = parse(text_of_all)
         known = _constants(declared)
         typed = {variable.name: variable.unit for variable in declared.variables}
         variables: dict[str, Variable] = {}
         for text in texts:
-            findings = TextFindings(text.text, text.locate)
+            findings = TextFindings(text.locate)
             file = parse(text.text, findings)
             if has_errors(findings.problems):
                 self.problems += findings.problems

@@ -11,7 +11,6 @@ from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import monitor_model
-from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone_python import python_module
 from tests.conditions import c_program
@@ -45,8 +44,7 @@ def analysis_of(text: str) -> Analysis:
 
 
 def reference_of(text: str) -> Reference:
-    findings = TextFindings(text, in_text(text))
-    return Reference(parse(text, findings), INPUTS, PERIOD)
+    return Reference(parse(text), INPUTS, PERIOD)
 
 
 def python_engine(analysis: Analysis) -> object:

@@ -11,7 +11,6 @@ from eddi_scaffold.conditions import Variable, analyse
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.syntax import canonical
-from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from eddi_scaffold.program.instructions import Program
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
 
@@ -219,9 +218,9 @@ def test_printing_and_reading_round_trip() -> None:
     formulas = Formulas(rng)
     for _ in range(rounds):
         text = formulas.boolean(rng.randint(0, 4))
-        file = parse(text, TextFindings(text, in_text(text)))
+        file = parse(text)
         once = canonical(file, file.events[0].root)
-        again = parse(once, TextFindings(once, in_text(once)))
+        again = parse(once)
         assert canonical(again, again.events[0].root) == once
         assert [(n.op, n.args) for n in again.nodes] == [(n.op, n.args) for n in file.nodes]
 

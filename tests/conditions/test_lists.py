@@ -12,7 +12,6 @@ from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import generate
 from eddi_scaffold.conditions.syntax import File, SyntaxNode, canonical, is_list_path
-from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from eddi_scaffold.program.running import Engine
 from tests.conditions.reference import NearTie, aggregate, combine
 
@@ -162,8 +161,7 @@ def test_definition_engine_and_module_agree_on_random_lists() -> None:
     for seed in range(60):
         rng = random.Random(seed)
         text = DECLARATIONS + formula(rng)
-        findings = TextFindings(text, in_text(text))
-        file = parse(text, findings)
+        file = parse(text)
         analysis = analyse(text, rate=10)
         assert analysis.program is not None, [p.message for p in analysis.problems]
         engine = Engine(analysis.program)
@@ -212,7 +210,7 @@ def same(found: float, wanted: Any, analysis: Any) -> bool:
     ],
 )
 def test_the_canonical_form_is_read_again(text: str) -> None:
-    file = parse(text, TextFindings(text, in_text(text)))
+    file = parse(text)
     assert canonical(file, file.events[0].root) == text
 
 

@@ -93,12 +93,12 @@ def test_arithmetic(oracle: Any) -> None:
 
 def test_precedence_and_canonical_form(oracle: Any) -> None:
     for case in oracle["precedence"]:
-        findings = TextFindings(case["text"], in_text(case["text"]))
+        findings = TextFindings(in_text(case["text"]))
         file = parse(case["text"], findings)
         found = canonical(file, file.events[0].root)
         assert found == case["parsed"]
         assert len(findings.problems) == case["warnings"]
-        again = parse(found, TextFindings(found, in_text(found)))
+        again = parse(found)
         assert canonical(again, again.events[0].root) == found
 
 
