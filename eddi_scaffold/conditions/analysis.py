@@ -90,7 +90,7 @@ def analyse(
         declarations: ENUM, VAR and CONST that are declared and checked elsewhere.
         name: of the file, for the places of problems.
         locate: offset -> place, for a text inside of another file.
-        any_rate: the rate is given later: what only it decides is not checked, and the program
+        any_rate: the rate is set later: what only it decides is not checked, and the program
             is good for nothing.
         only: the one event that is needed; of the others, those that it uses are checked.
 

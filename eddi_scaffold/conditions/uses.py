@@ -34,7 +34,7 @@ _SILENT = ("number", "truth", "literal", *_KNOWN)
 
 
 def uses(program: Program, root: int, *, side: bool) -> dict[str, tuple[Use, ...]]:
-    """Return the uses of each variable that can make a condition true, or false (``wanted``)."""
+    """Return the uses of each variable that can make a condition true, or false (``side``)."""
     uses_of: dict[str, tuple[Use, ...]] = {}
     for variable, use in _Walk(program).uses(root, side):
         uses_of[variable] = (*uses_of.get(variable, ()), use)
@@ -78,7 +78,7 @@ class _Walk:
                         yield from ((name, Use()) for name in names)
 
     def _parts(self, root: int, sign: bool) -> list[tuple[int, bool]]:
-        """Return what must all hold: the operands of AND, or of OR where false is wanted."""
+        """Return what must all hold: the operands of AND, or of OR where it shall be false."""
         parts: list[tuple[int, bool]] = []
         waiting = [(root, sign)]
         while waiting:

@@ -21,10 +21,10 @@ SANITIZE = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all", "-g"]
 
 def compiler() -> str:
     """Return the C compiler, or skip the test."""
-    found = shutil.which("gcc") or shutil.which("cc")
-    if found is None:
+    result = shutil.which("gcc") or shutil.which("cc")
+    if result is None:
         pytest.skip("there is no C compiler on this machine")
-    return found
+    return result
 
 
 def build(model: StandaloneMonitor, folder: Path, *options: str) -> Path:
@@ -87,12 +87,12 @@ def harness(model: StandaloneMonitor) -> str:
 
 def clean(form: Program, step: Step) -> list[object]:
     """Return the arguments of ``evaluate`` behind the time."""
-    found: list[object] = []
+    result: list[object] = []
     for variable in form.reads:
-        found.append(_converted(variable, step.values.get(variable.name)))
+        result.append(_converted(variable, step.values.get(variable.name)))
         if variable.stamped:
-            found.append(step.stamps.get(variable.name, step.t))
-    return found
+            result.append(step.stamps.get(variable.name, step.t))
+    return result
 
 
 def run(program: Path, form: Program, steps: Sequence[Step]) -> list[str]:

@@ -17,10 +17,10 @@ def test_json(tmp_path: Path) -> None:
     assert (good["ok"], [v["name"] for v in good["variables"]]) == (True, ["temp", "warning"])
     bad = run("event", "x > 1 > 2", "--json", cwd=tmp_path)
     assert (bad.status, bad.err) == (2, "")
-    found = json.loads(bad.out)
-    assert found["ok"] is False
-    assert found["problems"][0]["col"] == 7
-    (diagnostic,) = found["diagnostics"]
+    actual = json.loads(bad.out)
+    assert actual["ok"] is False
+    assert actual["problems"][0]["col"] == 7
+    (diagnostic,) = actual["diagnostics"]
     assert list(diagnostic) == ["code", "severity", "line", "column", "message", "hint"]
     code = json.loads(run("event", "x > 1", "--target", "c", "--json", cwd=tmp_path).out)
     assert sorted(code["files"]) == ["event_event.c", "event_event.h", "event_main.c"]

@@ -8,9 +8,9 @@ SLOW = ROOT / "tests" / "data" / "oracles" / "field" / "slash-units" / "slow.eve
 
 
 def refused(*words: str) -> str:
-    found = run("event", *words, "--rate", "10", "--check", cwd=ROOT)
-    assert found.status == 2, found.out
-    return found.err
+    result = run("event", *words, "--rate", "10", "--check", cwd=ROOT)
+    assert result.status == 2, result.out
+    return result.err
 
 
 def test_a_unit_with_a_slash_in_a_file() -> None:

@@ -24,8 +24,8 @@ D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
 
 @pytest.fixture
 def port() -> Iterator[int]:
-    with serving() as found:
-        yield found
+    with serving() as result:
+        yield result
 
 
 @contextmanager
@@ -209,10 +209,10 @@ def test_the_page_begins_with_the_file_that_was_given(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "eddi_scaffold", *words]
     with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as page:
         assert page.stderr is not None
-        found = re.search(r"127\.0\.0\.1:(\d+)/", page.stderr.readline())
+        result = re.search(r"127\.0\.0\.1:(\d+)/", page.stderr.readline())
         try:
-            assert found is not None
-            _, _, text = ask(int(found[1]), "GET", "/")
+            assert result is not None
+            _, _, text = ask(int(result[1]), "GET", "/")
         finally:
             page.terminate()
     assert "EVENT Hot := temp &gt; 81.5" in text

@@ -43,9 +43,9 @@ EVERYTHING = "".join(f"EVENT e{k} (HAZARD) := {text}\n" for k, text in enumerate
 
 
 def analysis_of(text: str, rate: float = 10) -> Any:
-    found = analyse(text, rate=rate)
-    assert found.program is not None, found.problems
-    return found
+    result = analyse(text, rate=rate)
+    assert result.program is not None, result.problems
+    return result
 
 
 def module_of(text: str) -> dict[str, Any]:
@@ -102,8 +102,8 @@ def test_a_monitor_calls_what_is_raised_and_cleared() -> None:
             calls.append(("cleared", t_ns))
 
     monitor = Monitor()
-    found = [monitor.step(k * 10**8)["hot"].truth for k in range(10)]
-    assert found == [0, 2, 2, 1, 1, 1, 0, 1, 1, 1]
+    result = [monitor.step(k * 10**8)["hot"].truth for k in range(10)]
+    assert result == [0, 2, 2, 1, 1, 1, 0, 1, 1, 1]
     assert calls == [("raised", 10**8), ("cleared", 3 * 10**8)]
     with pytest.raises(TypeError):
         bool(names["BoolVal"].true())
@@ -132,16 +132,16 @@ def test_c_has_neither_undefined_behaviour_nor_differences(tmp_path: Path) -> No
     form = analysis.program
     program = c_program.build(monitor_model(analysis, "all"), tmp_path, "-O1", *c_program.SANITIZE)
     engine = Engine(analysis.program)
-    played = [one for seed in range(20) for one in recording(random.Random(seed), steps // 20)]
+    played = [entry for seed in range(20) for entry in recording(random.Random(seed), steps // 20)]
     lines = c_program.run(program, form, played)
     seen: list[set[float]] = [set() for _ in EACH]
     for step, line in zip(played, lines, strict=True):
         values = [step.values[variable.name] for variable in form.reads]
         stamps = [step.stamps.get(variable.name) for variable in form.reads]
-        found = engine.step(step.t, values, stamps)
-        assert found == tuple(map(int, line.split()))
-        seen = [one | {value} for one, value in zip(seen, found, strict=True)]
-    unchanged = [text for text, one in zip(EACH, seen, strict=True) if not one >= {0, 2}]
+        result = engine.step(step.t, values, stamps)
+        assert result == tuple(map(int, line.split()))
+        seen = [entry | {value} for entry, value in zip(seen, result, strict=True)]
+    unchanged = [text for text, entry in zip(EACH, seen, strict=True) if not entry >= {0, 2}]
     assert unchanged == []
 
 
@@ -157,12 +157,12 @@ def test_an_overflow_is_unknown_until_it_has_left_the_window(tmp_path: Path) -> 
             value = 400.0 - k if function == "MAX" else float(rng.randint(0, 9))
             played.append(c_program.Step(t, {"x": value}, {}))
         lines = c_program.run(program, form, played)
-        found = [engine.step(step.t, [step.values["x"]])[0] for step in played]
+        result = [engine.step(step.t, [step.values["x"]])[0] for step in played]
         in_c = [c_program.as_number(line) for line in lines]
-        assert [repr(x) for x in found] == [repr(x) for x in in_c]
+        assert [repr(x) for x in result] == [repr(x) for x in in_c]
         assert engine.overflows > 0
-        assert all(map(math.isnan, found[100:205])), function
-        assert not any(map(math.isnan, found[230:]))
+        assert all(map(math.isnan, result[100:205])), function
+        assert not any(map(math.isnan, result[230:]))
 
 
 # hand-written code

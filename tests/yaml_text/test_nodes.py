@@ -39,8 +39,8 @@ def test_every_key_and_value_has_its_place():
     node, problems = read("a: 1\nb:\n  - x\n  - {c: 'd'}\n")
     assert problems == []
     assert node.keys() == ["a", "b"]
-    (_, one), (key_b, items) = node.entries
-    assert (one.place.file, one.place.line, one.place.col) == ("f.yml", 1, 4)
+    (_, first), (key_b, items) = node.entries
+    assert (first.place.file, first.place.line, first.place.col) == ("f.yml", 1, 4)
     assert (key_b.place.line, items.place.line, items.place.col) == (2, 3, 3)
     entry = items.items[1].entries[0]
     assert (entry[0].place.col, entry[1].place.col, entry[1].plain) == (6, 9, False)
@@ -85,8 +85,8 @@ def test_what_a_plain_scalar_means(text, text_12, number, value_11):
     node = plain(text)
     assert node.plain
     assert y.as_text(node) == text_12
-    found = y.as_number(node)
-    assert (None if found is None else found.value) == number
+    result = y.as_number(node)
+    assert (None if result is None else result.value) == number
     assert y.value_11(node) == value_11
     assert type(y.value_11(node)) is type(value_11)
 
