@@ -8,7 +8,7 @@ from functools import partial
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.conditions.analysis import ExpressionText, compile_input
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
