@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -15,7 +14,7 @@ from eddi_scaffold.common.problems import (
     problem,
     with_excerpts,
 )
-from eddi_scaffold.conditions.checker import Checker, Value
+from eddi_scaffold.conditions.checker import Checker
 from eddi_scaffold.conditions.graph import GraphBuilder
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import (
@@ -27,7 +26,7 @@ from eddi_scaffold.conditions.scope import (
     build_scope,
     infer_types,
 )
-from eddi_scaffold.conditions.syntax import EventDeclaration, File, canonical
+from eddi_scaffold.conditions.syntax import canonical
 from eddi_scaffold.conditions.tokens import (
     EXPRESSION,
     Locate,
@@ -91,20 +90,22 @@ def analyse(
         declarations: ENUM, VAR and CONST that are declared and checked elsewhere.
         name: of the file, for the places of problems.
         locate: offset -> place, for a text inside of another file.
-        any_rate: the rate is given later: what only it decides is not checked, and the program
+        any_rate: the rate is set later: what only it decides is not checked, and the program
             is good for nothing.
         only: the one event that is needed; of the others, those that it uses are checked.
 
     Raises:
         EddiError: the rate is not a positive number up to 1e9 (E005).
     """
-    findings = TextFindings(text, locate or in_text(text, name))
-    builder = GraphBuilder(1 if any_rate else _period(rate))
+    if rate is not None and not 1e-6 <= rate <= 1e9:
+        raise EddiError(problem("E005.rate_range", rate=rate))
+    findings = TextFindings(locate or in_text(text, name))
+    builder = GraphBuilder(1 if any_rate else round(1e9 / rate) if rate is not None else 0)
     file = parse(text, findings)
     if not file.events and not findings.problems:
         findings.add("E026.no_event", 0)
     file = file if only is None else file.reduced_to(only)
-    outer = parse(declarations, TextFindings("", in_text(declarations))) if declarations else None
+    outer = parse(declarations) if declarations else None
     scope = build_scope(file, findings, variables, outer)
     if not has_errors(findings.problems):
         infer_types(file, scope)
@@ -114,8 +115,13 @@ def analyse(
     for event in file.events:
         value = values.get(event.name) if only in (None, event.name) else None
         if value is not None:
-            _warn(file, event, value, findings, builder)
-            polarity = event.polarity or "EVIDENCE"
+            root, polarity = file.nodes[event.root], event.polarity or "EVIDENCE"
+            if builder.is_constant(value.node):
+                findings.add("W004.constant", root.start)
+            if polarity == "HAZARD" and root.op == "implies":
+                findings.add("W002.implies", root.at, event=event.name)
+            if event.polarity is None and not event.anonymous:
+                findings.add("W002.polarity", event.at, event=event.name)
             expression = canonical(file, event.root)
             kind = value.type.kind
             events.append(Event(event.name, polarity, kind, expression, event.at, value.unit))
@@ -128,27 +134,6 @@ def analyse(
     if not has_errors(problems):
         program = builder.program([_read(variable, scope) for variable in used], results)
     return Analysis(tuple(problems), tuple(events), used, dict(scope.enums), program, text)
-
-
-def _period(rate: float | None) -> int:
-    """Return the nanoseconds between two steps, 0 for no rate."""
-    if rate is None:
-        return 0
-    if not (math.isfinite(rate) and 1e-6 <= rate <= 1e9):
-        raise EddiError(problem("E005.rate_range", rate=rate))
-    return round(1e9 / rate)
-
-
-def _warn(
-    file: File, event: EventDeclaration, value: Value, findings: TextFindings, builder: GraphBuilder
-) -> None:
-    root = file.nodes[event.root]
-    if builder.is_constant(value.node):
-        findings.add("W004.constant", root.start)
-    if event.polarity == "HAZARD" and root.op == "implies":
-        findings.add("W002.implies", root.at, event=event.name)
-    if event.polarity is None and not event.anonymous:
-        findings.add("W002.polarity", event.at, event=event.name)
 
 
 def _read(variable: Variable, scope: Scope) -> Read:
@@ -215,6 +200,7 @@ def compile_input(
     """
     problems: list[Problem] = []
     analyses: list[Analysis] = []
+    expected = "bool" if type_ in ("bool", "state") else "number"
     for text in texts:
         analysis = analyse(
             text.text,
@@ -224,8 +210,16 @@ def compile_input(
             locate=text.locate,
             only=text.event,
         )
-        problems += [*analysis.problems, *_wrong_type(analysis, text, type_)]
+        problems += analysis.problems
         analyses.append(analysis)
+        if analysis.program is None:
+            continue
+        if len(analysis.events) != 1:
+            problems.append(problem("E001.several_events", text.locate(0)))
+        elif (actual := analysis.events[0].type) != expected:
+            place = text.locate(0 if text.event is None else analysis.events[0].at)
+            types = {"expected": Type(expected), "actual": Type(actual)}
+            problems.append(problem("E007.input_type", place, hint=None, **types))
     if has_errors(problems):
         return None, problems
     parts = [
@@ -241,18 +235,3 @@ def compile_input(
         analyses[0].events[0].unit,
     )
     return expression, problems
-
-
-def _wrong_type(
-    analysis: Analysis, text: ExpressionText, type_: ExpressionType
-) -> Sequence[Problem]:
-    """Return an error when the expression gives another type than the input has."""
-    if analysis.program is None:
-        return ()
-    if len(analysis.events) != 1:
-        return (problem("E001.several_events", text.locate(0)),)
-    event, expected = analysis.events[0], "bool" if type_ in ("bool", "state") else "number"
-    if event.type == expected:
-        return ()
-    place = text.locate(0 if text.event is None else event.at)
-    return (problem("E007.input_type", place, expected=Type(expected), actual=Type(event.type)),)

@@ -210,16 +210,12 @@ class Checker:
     def _warn_decided(self, node: SyntaxNode, args: list[Value]) -> None:
         """Warn of a comparison that the declared range of its variable decides alone."""
         left, right = (self._bounds(k, arg) for k, arg in zip(node.args, args, strict=True))
-        if None in (left, right) or all(self._builder.is_constant(arg.node) for arg in args):
+        is_constant = all(self._builder.is_constant(arg.node) for arg in args)
+        if left is None or right is None or is_constant:
             return
-        assert left is not None
-        assert right is not None
-        if node.op in _ORDER:
-            truths = {COMPARISONS[node.op](a, b) for a in left for b in right}
-        else:
-            is_apart = left[1] < right[0] or right[1] < left[0]
-            truths = {node.op == "ne"} if is_apart else set()
-        if len(truths) != 1:
+        truths = {COMPARISONS[node.op](a, b) for a in left for b in right}
+        overlap = left[0] <= right[1] and right[0] <= left[1]
+        if len(truths) != 1 or (node.op not in _ORDER and overlap):
             return
         unit = args[0].unit or args[1].unit
         self.findings.add(

@@ -47,7 +47,7 @@ class GraphBuilder:
         return self.leaf("variable", self.used.setdefault(name, len(self.used)), at)
 
     def operation(self, op: str, args: Sequence[int], at: At) -> int:
-        """Add an operation; one whose value is the same in every step becomes a constant."""
+        """Add an operation, or a constant where its value is the same in every step."""
         if op in _FOLDED and all(self.is_constant(k) for k in args):
             constant = "truth" if SIGNATURES[op][1] == BOOL else "number"
             return self.leaf(constant, _folded(op, [self.operations[k].value for k in args]), at)
@@ -134,11 +134,9 @@ def _words(
             f"({text})" if argument.op.partition("_")[0] in OPERATORS else text
             for argument, text in pairs
         ]
-    if op in ("eq_enum", "ne_enum"):  # literals by the names that the other one has
-        literals = next(
-            (reads[argument.value].literals for argument in arguments if argument.op == "variable"),
-            (),
-        )
+    if op in ("eq_enum", "ne_enum"):  # literals by the names that the other operand has
+        variables = (reads[entry.value] for entry in arguments if entry.op == "variable")
+        literals = [literal for variable in variables for literal in variable.literals]
         for k, argument in enumerate(arguments):
             if argument.op == "literal" and argument.value < len(literals):
                 inner[k] = literals[argument.value]

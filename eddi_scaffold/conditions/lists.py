@@ -83,7 +83,11 @@ def reduced(
         if (within := scope.variables[name].within) is not None
     ]
     numbers = [name for name in lists if scope.variables[name].type == NUMBER]
-    _check_one_message(node, elements, findings)
+    heads = list(dict.fromkeys(name.partition(".")[0].partition("[")[0] for name in elements.used))
+    if len(heads) > 1:
+        findings.refuse("E007.two_messages", node.start, first=heads[0], second=heads[1])
+    if len({array_of(name)[0] for name in lists}) > 1 and len(set(map(_container, lists))) > 1:
+        findings.refuse("E007.two_lists", node.start, first=lists[0], second=lists[1])
     if options.within:
         if len(numbers) != 1:
             findings.refuse("E007.within", node.start)
@@ -94,25 +98,17 @@ def reduced(
         scope.variables.get(name) or Variable(name, NUMBER, declared=False)
         for name in elements.used
     ]
+    kinds = (part.type.kind if part.type is not None else "number" for part in parts)
     inputs = tuple(
-        Part(
-            part.name,
-            part.type.kind if part.type is not None else "number",
-            is_list_path(part.name),
-            part.range,
-            part.infinite,
-        )
-        for part in parts
+        Part(part.name, kind, is_list_path(part.name), part.range, part.infinite)
+        for part, kind in zip(parts, kinds, strict=True)
     )
     computed: list[Element] = []
     for row in rows:
         op, value = _ELEMENTS.get(row.op, row.op), row.value
-        if row.op == "number" and value is None:
-            value = math.nan
-        is_list = (
-            inputs[value].is_list if op == "input" else any(computed[n].is_list for n in row.args)
-        )
-        computed.append(Element(op, row.args, value, is_list))
+        sources = [inputs[value]] if op == "input" else [computed[n] for n in row.args]
+        value = math.nan if row.op == "number" and value is None else value
+        computed.append(Element(op, row.args, value, any(source.is_list for source in sources)))
     infinite = [part for part in parts if part.name in lists and part.infinite]
     return Variable(
         canonical(file, root),
@@ -133,16 +129,6 @@ def reduced(
         ),
         parts=tuple(parts),
     )
-
-
-def _check_one_message(node: SyntaxNode, elements: Elements, findings: TextFindings) -> None:
-    """Check that everything is of one message, and the lists have one length."""
-    heads = list(dict.fromkeys(name.partition(".")[0].partition("[")[0] for name in elements.used))
-    lists = elements.lists
-    if len(heads) > 1:
-        findings.refuse("E007.two_messages", node.start, first=heads[0], second=heads[1])
-    if len({array_of(name)[0] for name in lists}) > 1 and len(set(map(_container, lists))) > 1:
-        findings.refuse("E007.two_lists", node.start, first=lists[0], second=lists[1])
 
 
 def _container(name: str) -> tuple[str, str, str]:

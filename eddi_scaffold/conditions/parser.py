@@ -28,6 +28,7 @@ from eddi_scaffold.conditions.tokens import (
     Refused,
     TextFindings,
     Token,
+    in_text,
     tokens_of,
 )
 
@@ -49,12 +50,13 @@ _OPTIONS = ("UNIT", "RATE", "TIMEOUT", "RANGE", "ALLOW")
 ANONYMOUS = "event"  # name of the event that a bare expression is
 
 
-def parse(text: str, findings: TextFindings) -> File:
+def parse(text: str, findings: TextFindings | None = None) -> File:
     """Parse declarations, an expression, or declarations and an expression behind them.
 
     What is wrong goes to ``findings`` (E001, E005, E006, E009, E013, W001); the declarations that
     could be read are returned.
     """
+    findings = findings or TextFindings(in_text(text))
     if len(text.encode("utf-8", "surrogatepass")) > MAX_TEXT:
         findings.add("E013.text", 0, limit=MAX_TEXT)
         return File()
@@ -163,7 +165,7 @@ class _Parser(Cursor):
         if self._token.text != "Hz" or not 0 < rate <= 1e9:
             self._fail("E001.rate", value.start)
         self._index += 1
-        return replace(variable, rate=rate)
+        return replace(variable, timeout=variable.timeout or max(1, round(2.5e9 / rate)))
 
     def _constant(self) -> ConstDeclaration:
         name = self._new_name("the name of a constant")

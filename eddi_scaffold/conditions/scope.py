@@ -109,7 +109,7 @@ def build_scope(
     """
     scope = Scope(closed=known is not None or bool(file.variables))
     if outer is not None:
-        _collect(outer, scope, TextFindings("", lambda _: Place()))
+        _collect(outer, scope, TextFindings(lambda _: Place()))
     _collect(file, scope, findings)
     scope.variables = scope.variables | {
         name: variable for name, variable in (known or {}).items() if name not in scope.variables
@@ -156,7 +156,7 @@ def _collect(file: File, scope: Scope, findings: TextFindings) -> None:
 
 
 def _variable(declared: VarDeclaration, scope: Scope, findings: TextFindings) -> Variable:
-    word, unit, timeout = declared.type.name, declared.unit, declared.timeout
+    word, unit = declared.type.name, declared.unit
     type_ = _TYPES.get(word.upper()) or (Type("enum", word) if word in scope.enums else None)
     if type_ is None:
         known = [*_TYPES, *scope.enums]
@@ -170,34 +170,31 @@ def _variable(declared: VarDeclaration, scope: Scope, findings: TextFindings) ->
         hint = did_you_mean(unit.name, words()) or f"units: {', '.join(sorted(words()))}"
         findings.add("E009.unknown", unit.at, hint=hint, unit=unit.name)
         unit = None
-    if timeout is None and declared.rate is None:
+    if declared.timeout is None:
         findings.add("W003.variable", declared.at, declared=declared.name)
-    elif timeout is None and declared.rate is not None:
-        timeout = max(1, round(2.5e9 / declared.rate))
     unit_name = unit.name if unit is not None else ""
-    range_ = _range(declared, unit_name, findings)
-    return replace(variable, unit=unit_name or None, timeout=timeout, range=range_)
+    range_ = None if declared.range is None else _range(declared.range, unit_name, findings)
+    return replace(variable, unit=unit_name or None, timeout=declared.timeout, range=range_)
 
 
 def _range(
-    declared: VarDeclaration, unit: str, findings: TextFindings
+    bounds: tuple[NumberWithUnit, NumberWithUnit], unit: str, findings: TextFindings
 ) -> tuple[float, float] | None:
-    if declared.range is None:
-        return None
-    ends = []
-    for bound in declared.range:
+    for bound in bounds:
         if bound.unit is not None and (not unit or dimension(bound.unit) != dimension(unit)):
             findings.add("E009.bound", bound.at, unit=bound.unit, other=unit or "none")
             return None
-        ends.append(bound.value if bound.unit is None else converted(bound.value, bound.unit, unit))
-    low, high = ends
-    if not (math.isfinite(low) and math.isfinite(high)):
-        findings.add("E013.bounds", declared.range[0].at, unit=unit)
-        return None
+    low, high = (
+        bound.value if bound.unit is None else converted(bound.value, bound.unit, unit)
+        for bound in bounds
+    )
+    if math.isfinite(low) and math.isfinite(high) and low <= high:
+        return low, high
     if low > high:
-        findings.add("E007.range", declared.range[0].at)
-        return None
-    return low, high
+        findings.add("E007.range", bounds[0].at)
+    else:
+        findings.add("E013.bounds", bounds[0].at, unit=unit)
+    return None
 
 
 _KINDS = {"number": NUMBER, "bool": BOOL}

@@ -11,7 +11,7 @@ from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import duration_text, is_list_path
 from eddi_scaffold.program.c_files import c_files
-from eddi_scaffold.program.instructions import BOOL, BUFFERED, LEAVES, WINDOWS, Operation, Program
+from eddi_scaffold.program.instructions import BOOL, BUFFERED, LEAVES, WINDOWS, Program
 from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone import StandaloneMonitor, Target, named
 from eddi_scaffold.program.standalone_python import python_module
@@ -62,17 +62,13 @@ def cost_line(program: Program) -> str:
     """Return one line on memory (of the C target) and operations in a step."""
     operations = [entry for entry in program.operations if entry.op not in LEAVES]
     windows = sum(operation.op in WINDOWS for operation in operations)
-    memory = sum(map(_bytes, operations))
+    memory = 0  # that operations remember, about
+    for entry in operations:
+        covered = 0 if entry.coverage is None else 9 * entry.capacity + _RING_BYTES
+        ring = 8 * _ARRAYS.get(entry.op, 2) * entry.capacity + _RING_BYTES + covered
+        memory += ring if entry.op in BUFFERED else 16
     size = f"{memory / 1024:.1f} KiB" if memory >= 1024 else f"{memory} bytes"
     return f"a step: {plural(len(operations), 'operation')}, {plural(windows, 'window')}, {size}"
-
-
-def _bytes(operation: Operation) -> int:
-    """Return what an operation remembers in C, about."""
-    if operation.op not in BUFFERED:
-        return 16
-    covered = 0 if operation.coverage is None else 9 * operation.capacity + _RING_BYTES
-    return 8 * _ARRAYS.get(operation.op, 2) * operation.capacity + _RING_BYTES + covered
 
 
 def _variable_text(variable: Variable) -> str:
@@ -161,12 +157,9 @@ def play(
         now = round(t * 1e9)
         for name in samples.keys() & values.keys():
             values[name], stamps[name] = samples[name], now
-        verdicts = map(_verdict, engine.step(now, [*values.values()], [*stamps.values()]), types)
-        ids = (result.id for result in engine.program.results)
-        yield t, dict(zip(ids, verdicts, strict=True))
-
-
-def _verdict(value: float, type_: str) -> Verdict:
-    if type_ == BOOL:
-        return None if value == 1 else value == 2
-    return None if math.isnan(value) else value
+        verdicts: dict[str, Verdict] = {}
+        step = engine.step(now, [*values.values()], [*stamps.values()])
+        for result, type_, value in zip(engine.program.results, types, step, strict=True):
+            is_unknown = value == 1 if type_ == BOOL else math.isnan(value)
+            verdicts[result.id] = None if is_unknown else value == 2 if type_ == BOOL else value
+        yield t, verdicts

@@ -74,8 +74,7 @@ class VarDeclaration(Identifier):
 
     type: Identifier  # `NUMBER`, `BOOL` or the name of an ENUM
     unit: Identifier | None = None
-    rate: float | None = None  # samples per second
-    timeout: int | None = None  # nanoseconds
+    timeout: int | None = None  # nanoseconds; by RATE 2.5 periods
     range: tuple[NumberWithUnit, NumberWithUnit] | None = None
     infinite: bool = False  # ALLOW INF
 

@@ -8,7 +8,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import accumulate
-from typing import NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from eddi_scaffold.common.identifiers import key_text
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
@@ -61,15 +61,10 @@ class Refused(Exception):  # noqa: N818 - it ends one part of a text, a problem 
 
 
 class TextFindings:
-    """Collects what is wrong with one text.
+    """Collects what is wrong with a text."""
 
-    Attributes:
-        problems: so far, in the order in which they were found.
-    """
-
-    def __init__(self, text: str, locate: Locate) -> None:
+    def __init__(self, locate: Locate) -> None:
         self.problems: list[Problem] = []
-        self.text = text
         self._locate = locate
 
     def add(self, case: str, offset: int, /, *, hint: str | None = None, **fields: object) -> None:
@@ -77,11 +72,9 @@ class TextFindings:
         if len(self.problems) < _MAX_FINDINGS:
             self.problems.append(problem(case, self._locate(offset), hint=hint, **fields))
 
-    def refuse(
-        self, case: str, offset: int, /, *, hint: str | None = None, **fields: object
-    ) -> NoReturn:
+    def refuse(self, case: str, offset: int, /, **fields: Any) -> NoReturn:
         """Add a problem which is the end of a part."""
-        self.add(case, offset, hint=hint, **fields)
+        self.add(case, offset, **fields)
         raise Refused
 
 
@@ -181,10 +174,8 @@ class Cursor:
     def _comparison_hint(self) -> str | None:
         return "`==` compares two values" if self._is_symbol("=") else None
 
-    def _fail(
-        self, case: str, at: int | None = None, /, *, hint: str | None = None, **fields: object
-    ) -> NoReturn:
-        self._findings.refuse(case, self._token.start if at is None else at, hint=hint, **fields)
+    def _fail(self, case: str, at: int | None = None, /, **fields: Any) -> NoReturn:
+        self._findings.refuse(case, self._token.start if at is None else at, **fields)
 
     def _missing(self, expected: str, hint: str | None = None) -> NoReturn:
         self._fail("E001.word", hint=hint, expected=expected, shown=self._token.shown)

@@ -34,7 +34,7 @@ _SILENT = ("number", "truth", "literal", *_KNOWN)
 
 
 def uses(program: Program, root: int, *, side: bool) -> dict[str, tuple[Use, ...]]:
-    """Return the uses of each variable that can make a condition true, or false (``wanted``)."""
+    """Return the uses of each variable that can make a condition true, or false (``side``)."""
     uses_of: dict[str, tuple[Use, ...]] = {}
     for variable, use in _Walk(program).uses(root, side):
         uses_of[variable] = (*uses_of.get(variable, ()), use)
@@ -65,8 +65,8 @@ class _Walk:
                 tests = (self._test(part, side) for part, side in parts)
                 group = (*companions, *(test for test in tests if test is not None))
                 waiting += [(part, side, group) for part, side in parts]
-            elif (counted := self._counted(node)) is not None:
-                waiting.append((counted[0], sign == counted[1], ()))
+            elif node.op in _TURNED and (counts := self._counts(node)):
+                waiting += [(arg, sign == more, ()) for arg, more in counts]
             elif node.op in _SIGNS:
                 companions = companions if node.op in _NOW else ()
                 signs = zip(node.args, _SIGNS[node.op], strict=True)
@@ -78,7 +78,7 @@ class _Walk:
                         yield from ((name, Use()) for name in names)
 
     def _parts(self, root: int, sign: bool) -> list[tuple[int, bool]]:
-        """Return what must all hold: the operands of AND, or of OR where false is wanted."""
+        """Return what must all hold: the operands of AND, or of OR where it shall be false."""
         parts: list[tuple[int, bool]] = []
         waiting = [(root, sign)]
         while waiting:
@@ -124,16 +124,15 @@ class _Walk:
 
         return variable.name, holds
 
-    def _counted(self, node: Operation) -> tuple[int, bool] | None:
+    def _counts(self, node: Operation) -> list[tuple[int, bool]]:
         """Return what a comparison counts, and whether more of it brings the comparison about."""
-        op = node.op
-        if op not in _TURNED:
-            return None
         left, right = (self._nodes[arg] for arg in node.args)
-        if right.op == "count":
-            left, right, op = right, left, _TURNED[op]
-        is_count = left.op == "count" and right.op == "number"
-        return (left.args[0], op in ("gt", "ge")) if is_count else None
+        ops = ((left, right, node.op), (right, left, _TURNED[node.op]))
+        return [
+            (count.args[0], op in ("gt", "ge"))
+            for count, limit, op in ops
+            if count.op == "count" and limit.op == "number"
+        ]
 
     def _plain(self, node: Operation) -> Read | None:
         """Return the variable that a node is, unless it is a reduction of a list."""

@@ -8,7 +8,7 @@ field is the key of ``[G0]``, is found in ``field_types``.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.escaping import python_literal
@@ -118,34 +118,29 @@ def _element(match: re.Match[str]) -> Index | ByKey | Every:
     return ByKey(key, field)
 
 
-def path_text(path: Sequence[Step]) -> str:
-    """Return a path as a person writes it, keys in quotes where they are not words."""
-    text = ""
+def _spelling(path: Sequence[Step]) -> Iterator[str]:
+    """Yield ``.name`` of each field, and brackets with what is in them."""
     for step in path:
         if isinstance(step, Attribute):
-            text += f".{step.name}"
+            yield f".{step.name}"
         elif isinstance(step, Index):
-            text += f"[{step.position}]"
+            yield f"[{step.position}]"
         elif isinstance(step, Every):
-            text += "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
+            yield "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
         elif isinstance(step, ByName):
-            text += f".{step.values}[{key_text(step.key)}]"
+            yield from (f".{step.values}", f"[{key_text(step.key)}]")
         else:
-            text += f"[{f'{step.field}=' if step.field else ''}{key_text(step.key)}]"
-    return text.removeprefix(".")
+            yield f"[{f'{step.field}=' if step.field else ''}{key_text(step.key)}]"
+
+
+def path_text(path: Sequence[Step]) -> str:
+    """Return a path as a person writes it, keys in quotes where they are not words."""
+    return "".join(_spelling(path)).removeprefix(".")
 
 
 def pattern(path: FieldPath) -> list[str]:
     """Return a path without the keys of its lists: ``.guarantees``, ``[]``, ``.active``."""
-    steps: list[str] = []
-    for step in path:
-        if isinstance(step, Attribute):
-            steps.append(f".{step.name}")
-        elif isinstance(step, ByName):
-            steps += [f".{step.values}", "[]"]
-        else:
-            steps.append("[]")
-    return steps
+    return [part if part.startswith(".") else "[]" for part in _spelling(path)]
 
 
 def expression(variable: str, path: FieldPath) -> str:
@@ -209,14 +204,21 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
     taken: list[Step] = []
     of, parent = message, message
     for number, step in enumerate(path):
+        inner = element(of)
         if isinstance(step, Attribute):
-            known = _fields_at(of, step.name, fields_of)
+            if inner is not None:
+                hint = "one element of it is [0], or [key] where the elements have names"
+                raise FieldPathError(f"{of} is a list", hint)
+            if is_primitive(of):
+                raise FieldPathError(f"a {of} has no field {step.name!r}: the path ends before")
+            known = fields_of(of)
             if known is None:
                 return ResolvedPath((*taken, *path[number:]), None)
+            if step.name not in known:
+                raise _no_field(of, step.name, known)
             of, parent = known[step.name], of
             taken.append(step)
             continue
-        inner = element(of)
         if inner is None:
             raise FieldPathError(f"{of} is not a list")
         if isinstance(step, ByKey):
@@ -227,19 +229,6 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
             taken.append(step)
         of = inner
     return ResolvedPath(tuple(taken), python_type(of))
-
-
-def _fields_at(of: str, name: str, fields_of: FieldsOf) -> Fields | None:
-    """Return the fields of a message that has this one, ``None`` when they are not known."""
-    if element(of) is not None:
-        hint = "one element of it is [0], or [key] where the elements have names"
-        raise FieldPathError(f"{of} is a list", hint)
-    if is_primitive(of):
-        raise FieldPathError(f"a {of} has no field {name!r}: the path ends before")
-    known = fields_of(of)
-    if known is not None and name not in known:
-        raise _no_field(of, name, known)
-    return known
 
 
 def _no_field(of: str, name: str, known: Fields) -> FieldPathError:

@@ -266,14 +266,14 @@ def named_model(file: ConfigFile) -> tuple[str, Place] | None:
 
     SESAME D7.2 writes ``parameters: [{config: safeml_config.yml}]``.
     """
-    parameters, path = file.config.Model.parameters, ("Model", "parameters")
-    maps = dict(enumerate(parameters)) if isinstance(parameters, list) else {}
+    parameters = file.config.Model.parameters
+    maps = list(enumerate(parameters)) if isinstance(parameters, list) else [(None, parameters)]
     for key in MODEL_KEYS:
-        for number, entries in maps.items() or [(None, parameters)]:
+        for number, entries in maps:
             name = entries.get(key) if isinstance(entries, dict) else None
             if isinstance(name, str) and name:
-                inner = path if number is None else (*path, number)
-                return name, file.place(*inner, key)
+                inner = () if number is None else (number,)
+                return name, file.place("Model", "parameters", *inner, key)
     return None
 
 

@@ -143,28 +143,35 @@ def rewritten(
     """
     topics, ids = {entry.topic for entry in entries}, {entry.id for entry in entries}
     old = {entry.topic: entry for entry in document.old}
-    foreign = [(entry, absence(entry)) for entry in document.old if entry.topic not in topics]
-    used = document.used()
-    kept = [
-        entry
-        for entry, absent in foreign
-        if (absent.stays or entry.id in used) and entry.id not in ids
-    ]
     lines = [line for entry in entries for line in _lines(entry, old.get(entry.topic))]
-    lines += [line for entry in kept for line in entry.lines()]
+    problems: list[Problem] = []
+    used, lost, kept = document.used(), set(document.comments), []
+    for entry in document.old:
+        if entry.topic in topics:
+            continue
+        absent = absence(entry)
+        subject = f"{entry.id!r} ({entry.topic}) {absent.why}"
+        if entry.id in ids or not (absent.stays or entry.id in used):
+            problems.append(problem("M026.dropped", entry.place, subject=subject))
+            lost.update(entry.above, entry.inside)
+        else:
+            case = "M026.stays" if absent.stays else "M026.needed"
+            problems.append(problem(case, entry.place, subject=subject))
+            lines += entry.lines()
+            kept.append(entry.id)
+    if lost:
+        numbers = ", ".join(map(str, sorted(lost)))
+        place = Place(document.name, min(lost), 1)
+        problems.append(problem("M026.comments", place, lines=numbers))
     lines = [f"SimulatorOutputs:{'' if lines else ' []'}{document.head}", *lines]
     editor = TextEditor(document.text)
     editor.replace(document.start, document.end, lines)
-    problems = _notes(document, foreign, kept)
-    ids |= {entry.id for entry in kept}
-    similar = SimilarNames(sorted(ids))
-    required: dict[str, int | None] = {}
+    similar, known = SimilarNames(sorted({*ids, *kept})), {"", *ids, *kept}
     for scalar in (s for entry in document.inputs() for s in scalars_of(entry.get("requires"))):
-        required.setdefault(scalar.text, scalar.place.line)
-    for name, line in required.items():
-        if name and name not in ids:
-            place = Place(document.name, line, 1)
+        name, place = scalar.text, Place(document.name, scalar.place.line, 1)
+        if name not in known:
             problems.append(problem("M023.requires", place, hint=similar.hint(name), name=name))
+        known.add(name)
     return editor.result(), problems
 
 
@@ -179,25 +186,6 @@ def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:
     editor = TextEditor(document.text)
     editor.replace(document.end, document.end, lines, len(dash[1]))
     return editor.result()
-
-
-def _notes(
-    document: ConfigText, foreign: Sequence[tuple[OldEntry, DroppedTopic]], kept: Sequence[OldEntry]
-) -> list[Problem]:
-    problems: list[Problem] = []
-    lost = set(document.comments)
-    for entry, absent in foreign:
-        subject = f"{entry.id!r} ({entry.topic}) {absent.why}"
-        if entry not in kept:
-            problems.append(problem("M026.dropped", entry.place, subject=subject))
-            lost.update(entry.above, entry.inside)
-        else:
-            case = "M026.stays" if absent.stays else "M026.needed"
-            problems.append(problem(case, entry.place, subject=subject))
-    if lost:
-        lines = ", ".join(map(str, sorted(lost)))
-        problems.append(problem("M026.comments", Place(document.name, min(lost), 1), lines=lines))
-    return problems
 
 
 def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:

@@ -153,7 +153,7 @@ class ExpressionBinder:
         if text is None:
             self._report("K033.no_text", "expression_file", name=name)
             return []
-        findings = TextFindings(text, in_text(text, self.config.path(name)))
+        findings = TextFindings(in_text(text, self.config.path(name)))
         events = {event.name: event for event in parse(text, findings).events}
         if has_errors(findings.problems):
             self.problems += findings.problems
@@ -181,12 +181,12 @@ class ExpressionBinder:
     def _variables(self, texts: Sequence[ExpressionText]) -> dict[str, Variable]:
         """Return what each name of the expressions is, by the types of the messages."""
         text_of_all = "\n".join(self.config.config.declarations)
-        declared = parse(text_of_all, TextFindings("", lambda _: Place()))
+        declared = parse(text_of_all)
         known = _constants(declared)
         typed = {variable.name: variable.unit for variable in declared.variables}
         variables: dict[str, Variable] = {}
         for text in texts:
-            findings = TextFindings(text.text, text.locate)
+            findings = TextFindings(text.locate)
             file = parse(text.text, findings)
             if has_errors(findings.problems):
                 self.problems += findings.problems

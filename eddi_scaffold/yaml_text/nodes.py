@@ -83,7 +83,7 @@ Node = Scalar | Items | Map
 
 @dataclass(frozen=True)
 class Number:
-    """A number as written, beside its double: comparisons stay exact."""
+    """A number as written, with its double: comparisons stay exact."""
 
     text: str
     value: float

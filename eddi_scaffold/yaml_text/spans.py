@@ -26,13 +26,13 @@ class Span:
     """One node and its text."""
 
     start: int  # offset of its first character
-    end: int  # offset behind its last scalar or closing bracket; `start` for an empty one
+    end: int  # offset behind its last scalar or closing bracket; `start` for an empty part
     line: int
     text: str | None = None  # of a scalar, else `None`
     is_map: bool = False  # a mapping, whose children are keys and values in turn
     is_flow: bool = False  # written with brackets or braces
     children: list[Span] = field(default_factory=list)
-    anchors: dict[str, int] = field(default_factory=dict)  # names that are given inside -> line
+    anchors: dict[str, int] = field(default_factory=dict)  # names that are defined inside -> line
     aliases: dict[str, int] = field(default_factory=dict)  # names that are used inside -> line
     scalars: list[tuple[int, int]] = field(default_factory=list)
 
@@ -75,7 +75,7 @@ def spans(text: str) -> Span | None:
             return span
         parent = stack[-1]
         parent.children.append(span)
-        if span.end > span.start:  # an empty one, marked at the next token, moves no end
+        if span.end > span.start:  # an empty part, marked at the next token, moves no end
             parent.end = max(parent.end, span.end)
         parent.anchors |= span.anchors
         parent.aliases |= span.aliases

@@ -14,25 +14,17 @@ from eddi_scaffold.program.instructions import Program, Read
 from eddi_scaffold.program.standalone import StandaloneMonitor
 from tests.conditions.formulas import Step
 
-FLAGS = [
-    "-std=c99",
-    "-pedantic",
-    "-Wall",
-    "-Wextra",
-    "-Werror",
-    "-Wconversion",
-    "-Wshadow",
-    "-ffp-contract=off",
-]
+WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wshadow")
+FLAGS = ["-std=c99", "-pedantic", *WARNINGS, "-ffp-contract=off"]
 SANITIZE = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all", "-g"]
 
 
 def compiler() -> str:
     """Return the C compiler, or skip the test."""
-    found = shutil.which("gcc") or shutil.which("cc")
-    if found is None:
+    result = shutil.which("gcc") or shutil.which("cc")
+    if result is None:
         pytest.skip("there is no C compiler on this machine")
-    return found
+    return result
 
 
 def build(model: StandaloneMonitor, folder: Path, *options: str) -> Path:
@@ -95,12 +87,12 @@ def harness(model: StandaloneMonitor) -> str:
 
 def clean(form: Program, step: Step) -> list[object]:
     """Return the arguments of ``evaluate`` behind the time."""
-    found: list[object] = []
+    result: list[object] = []
     for variable in form.reads:
-        found.append(_converted(variable, step.values.get(variable.name)))
+        result.append(_converted(variable, step.values.get(variable.name)))
         if variable.stamped:
-            found.append(step.stamps.get(variable.name, step.t))
-    return found
+            result.append(step.stamps.get(variable.name, step.t))
+    return result
 
 
 def run(program: Path, form: Program, steps: Sequence[Step]) -> list[str]:

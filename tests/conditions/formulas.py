@@ -112,7 +112,7 @@ class Step:
 
 def recording(rng: random.Random, steps: int) -> list[Step]:
     """Return steps with NaN, infinities, wrong values, gaps, duplicate and backward times."""
-    t, found = rng.randint(-(10**10), 10**10), []
+    t, result = rng.randint(-(10**10), 10**10), []
     trouble = rng.choice([0.0, 0.03, 0.25])
     for _ in range(steps):
         kind = rng.random()
@@ -134,8 +134,8 @@ def recording(rng: random.Random, steps: int) -> list[Step]:
                 values[name] = rng.choice([None, "BROKEN", 1, math.nan])
         stamps = {"w": t - rng.choice([0, 0, 0, 10**8, 350 * 10**6, 350 * 10**6 + 1])}
         stamps["b"] = t + rng.choice([0, 0, -2 * 10**8, -3 * 10**8, 10**7, PERIOD, 2 * PERIOD])
-        found.append(Step(t, values, stamps))
-    return found
+        result.append(Step(t, values, stamps))
+    return result
 
 
 def number(rng: random.Random, trouble: float) -> object:

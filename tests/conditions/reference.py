@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from eddi_scaffold.conditions.syntax import File, SyntaxNode
 
 WINDOWS = {"average", "sum", "max", "min", "median", "stddev", "rate", "count", "time", "once"}
+_ARITHMETIC = {"neg", "abs", "sqrt", "add", "sub", "mul", "div"}
+_ARITHMETIC |= {"hypot", "least", "greatest", "clamp"}
 
 
 class NearTie(Exception):  # noqa: N818 - no error: a verdict that nobody can know
@@ -81,15 +83,15 @@ class Reference:
         return self.last
 
     def _sample(self, t: int, values: dict[str, object], stamps: dict[str, int]) -> None:
-        for name, said in self.inputs.items():
-            value = valid(values.get(name), said)
+        for name, spec in self.inputs.items():
+            value = valid(values.get(name), spec)
             stamp = stamps.get(name, t)
             if stamp > t + self.period:
                 value = None
             stamp = min(stamp, t)
             if value is not None:
                 self.last_valid[name] = stamp
-            if said.timeout is not None and t - stamp > said.timeout:
+            if spec.timeout is not None and t - stamp > spec.timeout:
                 value = None
             self.samples[name] = value
 
@@ -170,17 +172,17 @@ class Reference:
         return None if edge is None else (self.times[-1] - edge) / 1e9
 
 
-def valid(value: object, said: Input) -> object:
+def valid(value: object, spec: Input) -> object:
     """Return a sample, None when it does not count."""
-    if said.type == "bool":
+    if spec.type == "bool":
         return value if isinstance(value, bool) else None
-    if said.type == "enum":
-        return value if value in said.literals else None
+    if spec.type == "enum":
+        return value if value in spec.literals else None
     if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
         return None
     if math.isinf(value):
-        return value if said.infinite else None
-    if said.range is not None and not said.range[0] <= value <= said.range[1]:
+        return value if spec.infinite else None
+    if spec.range is not None and not spec.range[0] <= value <= spec.range[1]:
         return None
     return float(value)
 
@@ -227,19 +229,7 @@ def combine(op: str, args: list[object]) -> object:
         return not args[0]
     if op == "xor":
         return args[0] is not args[1]
-    if op in (
-        "neg",
-        "abs",
-        "add",
-        "sub",
-        "mul",
-        "div",
-        "sqrt",
-        "hypot",
-        "least",
-        "greatest",
-        "clamp",
-    ):
+    if op in _ARITHMETIC:
         return arithmetic(op, args)
     a, b = args
     numbers = not isinstance(a, bool | str)

@@ -24,13 +24,13 @@ from eddi_scaffold.conditions.scope import BOOL, NUMBER
     ],
 )
 def test_one_side_has_the_type_of_the_other(text: str, expected: dict[str, object]) -> None:
-    found = analyse(text, rate=10)
-    assert [one.message for one in found.problems] == []
-    assert {one.name: one.type for one in found.variables} == expected
+    result = analyse(text, rate=10)
+    assert [entry.message for entry in result.problems] == []
+    assert {entry.name: entry.type for entry in result.variables} == expected
 
 
 @pytest.mark.parametrize("text", ["x == y", "KNOWN(x)", "x == y AND y == z AND z == x"])
 def test_what_no_use_decides_is_asked_for(text: str) -> None:
-    found = analyse(text, rate=10)
-    assert found.program is None
-    assert {one.code for one in found.problems} == {"E008"}
+    result = analyse(text, rate=10)
+    assert result.program is None
+    assert {entry.code for entry in result.problems} == {"E008"}

@@ -31,9 +31,9 @@ def compiled(kind: Any, *texts: ExpressionText, **more: Any) -> Any:
 
 
 def made(kind: Any, *texts: ExpressionText, **more: Any) -> Expression:
-    found, problems = compiled(kind, *texts, **more)
+    result, problems = compiled(kind, *texts, **more)
     assert problems == []
-    return expression_of(found.document)
+    return expression_of(result.document)
 
 
 def battery(percentage: object) -> dict[str, object]:
@@ -41,15 +41,15 @@ def battery(percentage: object) -> dict[str, object]:
 
 
 def test_evidence_over_a_message() -> None:
-    found, _ = compiled("bool", text("battery.percentage > 0.3 AND motor.temps[1] < 80"))
-    assert found.requires == ("battery", "motor")
-    one = expression_of(found.document)
-    assert tuple(one.names) == ("battery", "motor")
+    result, _ = compiled("bool", text("battery.percentage > 0.3 AND motor.temps[1] < 80"))
+    assert result.requires == ("battery", "motor")
+    entry = expression_of(result.document)
+    assert tuple(entry.names) == ("battery", "motor")
     motor = {"motor": SimpleNamespace(temps=[20.0, 30.0])}
-    assert one.value(0, {**battery(0.5), **motor}) is True
-    assert one.value(1, {**battery(0.1), **motor}) is False
-    assert one.value(2, battery(0.5)) is None
-    assert one.value(3, {**battery(0.5), **motor}, {"battery": 1.5, "motor": 0.0}) is None
+    assert entry.value(0, {**battery(0.5), **motor}) is True
+    assert entry.value(1, {**battery(0.1), **motor}) is False
+    assert entry.value(2, battery(0.5)) is None
+    assert entry.value(3, {**battery(0.5), **motor}, {"battery": 1.5, "motor": 0.0}) is None
 
 
 @pytest.mark.parametrize(
@@ -65,8 +65,8 @@ def test_evidence_over_a_message() -> None:
 def test_places_are_those_of_the_configuration(
     kind: Any, expression: str, code: str, column: int
 ) -> None:
-    found, problems = compiled(kind, text(expression))
-    assert found is None
+    result, problems = compiled(kind, text(expression))
+    assert result is None
     assert [(p.code, p.place.file, p.place.line, p.place.col) for p in problems] == [
         (code, "eddi_config.yml", 7, column)
     ]
@@ -74,5 +74,5 @@ def test_places_are_those_of_the_configuration(
 
 def test_declarations_stand_beside_the_inputs() -> None:
     declared = "CONST limit = 60 ENUM Mode { AUTO, MANUAL } VAR mode : Mode TIMEOUT 1s"
-    one = made("bool", text("load > limit AND mode == AUTO"), declarations=declared)
-    assert one.value(0, {"load": 61, "mode": "AUTO"}) is True
+    entry = made("bool", text("load > limit AND mode == AUTO"), declarations=declared)
+    assert entry.value(0, {"load": 61, "mode": "AUTO"}) is True

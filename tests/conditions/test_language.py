@@ -11,7 +11,6 @@ from eddi_scaffold.conditions import Variable, analyse
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.syntax import canonical
-from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from eddi_scaffold.program.instructions import Program
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
 
@@ -134,8 +133,8 @@ ALL = [
 
 @pytest.mark.parametrize(("expected", "text", "rate", "known"), ALL)
 def test_diagnostics(expected: str, text: str, rate: float | None, known: bool) -> None:
-    found = problems(text.replace("\\n", "\n"), rate=rate, known=known)
-    assert " + ".join(one for one in found if "E026" not in one) == expected
+    result = problems(text.replace("\\n", "\n"), rate=rate, known=known)
+    assert " + ".join(entry for entry in result if "E026" not in entry) == expected
 
 
 def test_every_error_of_a_file_is_told_at_once() -> None:
@@ -146,9 +145,9 @@ def test_every_error_of_a_file_is_told_at_once() -> None:
 
 
 def program_of(text: str) -> Program:
-    found = analyse(text, rate=10, variables=KNOWN)
-    assert found.program is not None, found.problems
-    return found.program
+    result = analyse(text, rate=10, variables=KNOWN)
+    assert result.program is not None, result.problems
+    return result.program
 
 
 def constants(text: str) -> list[float]:
@@ -219,9 +218,9 @@ def test_printing_and_reading_round_trip() -> None:
     formulas = Formulas(rng)
     for _ in range(rounds):
         text = formulas.boolean(rng.randint(0, 4))
-        file = parse(text, TextFindings(text, in_text(text)))
+        file = parse(text)
         once = canonical(file, file.events[0].root)
-        again = parse(once, TextFindings(once, in_text(once)))
+        again = parse(once)
         assert canonical(again, again.events[0].root) == once
         assert [(n.op, n.args) for n in again.nodes] == [(n.op, n.args) for n in file.nodes]
 
@@ -252,11 +251,11 @@ def test_mutated_texts_have_problems_with_places(
 
 
 def check_places(text: str) -> None:
-    found = analyse(text, rate=RATE)
+    result = analyse(text, rate=RATE)
     lines = text.split("\n")
-    for problem in found.problems:
+    for problem in result.problems:
         assert problem.place.line is not None
         assert problem.place.col is not None
         assert 1 <= problem.place.line <= len(lines)
         assert 1 <= problem.place.col <= len(lines[problem.place.line - 1]) + 1
-    assert (found.program is None) == any(p.level == "error" for p in found.problems)
+    assert (result.program is None) == any(p.level == "error" for p in result.problems)

@@ -12,7 +12,6 @@ from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import generate
 from eddi_scaffold.conditions.syntax import File, SyntaxNode, canonical, is_list_path
-from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from eddi_scaffold.program.running import Engine
 from tests.conditions.reference import NearTie, aggregate, combine
 
@@ -31,7 +30,7 @@ def reference(file: File, root: int, values: Mapping[str, Any]) -> Any:
     assert node.options is not None
     names = {n.text for n in subtree(file, root) if n.op == "name" and is_list_path(n.text)}
     lists = [values[name] for name in names]
-    if any(one is None for one in lists) or len({len(one) for one in lists}) != 1:
+    if any(entry is None for entry in lists) or len({len(entry) for entry in lists}) != 1:
         return None
     count = len(lists[0])
     if node.options.length is not None:
@@ -40,10 +39,10 @@ def reference(file: File, root: int, values: Mapping[str, Any]) -> Any:
             return None
     if count == 0:
         return None
-    found = [
+    result = [
         element(file, node.args[0], values, k, limits(file, node, values)) for k in range(count)
     ]
-    known = [x for x in found if x is not None]
+    known = [x for x in result if x is not None]
     if node.op in ("list_any", "list_all") and (node.op == "list_any") in known:
         return node.op == "list_any"
     if len(known) / count < (node.options.coverage or 1.0):
@@ -64,7 +63,7 @@ def reference(file: File, root: int, values: Mapping[str, Any]) -> Any:
 
 def subtree(file: File, root: int) -> list[SyntaxNode]:
     node = file.nodes[root]
-    return [node, *(one for arg in node.args for one in subtree(file, arg))]
+    return [node, *(entry for arg in node.args for entry in subtree(file, arg))]
 
 
 def limits(file: File, node: SyntaxNode, values: Mapping[str, Any]) -> tuple[Any, Any] | None:
@@ -136,15 +135,15 @@ def sample(rng: random.Random) -> dict[str, Any]:
             return rng.choice([math.nan, None, "3", 1e9, *([math.inf, -math.inf] * infinite)])
         return rng.choice([rng.uniform(-8, 8), float(rng.randint(-3, 3))])
 
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         "m.x[*]": [number(infinite=True) for _ in range(count)],
         "m.y[*]": tuple(number(infinite=True) for _ in range(count)),
         "m.b[*]": [rng.choice([True, False] * 5 + [None] * (trouble > 0)) for _ in range(count)],
         "m.low": rng.choice([-1.0, 0.5, None]),
     }
     if rng.random() < 0.05:
-        found[rng.choice(list(found))] = None
-    return found
+        result[rng.choice(list(result))] = None
+    return result
 
 
 def generated(text: str) -> Any:
@@ -162,8 +161,7 @@ def test_definition_engine_and_module_agree_on_random_lists() -> None:
     for seed in range(60):
         rng = random.Random(seed)
         text = DECLARATIONS + formula(rng)
-        findings = TextFindings(text, in_text(text))
-        file = parse(text, findings)
+        file = parse(text)
         analysis = analyse(text, rate=10)
         assert analysis.program is not None, [p.message for p in analysis.problems]
         engine = Engine(analysis.program)
@@ -171,33 +169,33 @@ def test_definition_engine_and_module_agree_on_random_lists() -> None:
         monitor = generated(text)
         for t in range(40):
             values = sample(rng)
-            used = {one.name for one in sampling.inputs}
+            used = {entry.name for entry in sampling.inputs}
             lists = {name for name in used if is_list_path(name)}
             if any(values[name] is None for name in lists):
-                wanted = None
+                expected = None
             else:
                 try:
-                    wanted = reference(file, file.events[0].root, values)
+                    expected = reference(file, file.events[0].root, values)
                 except NearTie:
                     continue
-            (found,) = engine.step(t * SECOND, [values[one.name] for one in sampling.inputs])
-            assert same(found, wanted, analysis), (text, values, found, wanted)
-            for one in sampling.inputs:
-                word = one.name.replace("[*]", "").replace(".", "_")
-                setattr(monitor, f"read_{word}", lambda v=values[one.name]: v)
-            told = monitor.step(t * SECOND)
-            truth = told["event"].truth if isinstance(told, dict) else told
-            assert truth == found or (math.isnan(truth) and math.isnan(found))
-            compared += wanted is not None
+            (result,) = engine.step(t * SECOND, [values[entry.name] for entry in sampling.inputs])
+            assert same(result, expected, analysis), (text, values, result, expected)
+            for entry in sampling.inputs:
+                word = entry.name.replace("[*]", "").replace(".", "_")
+                setattr(monitor, f"read_{word}", lambda v=values[entry.name]: v)
+            output = monitor.step(t * SECOND)
+            truth = output["event"].truth if isinstance(output, dict) else output
+            assert truth == result or (math.isnan(truth) and math.isnan(result))
+            compared += expected is not None
     assert compared > 500
 
 
-def same(found: float, wanted: Any, analysis: Any) -> bool:
+def same(result: float, expected: Any, analysis: Any) -> bool:
     if analysis.events[0].type == "bool":
-        return found == {True: 2, False: 0, None: 1}[wanted]
-    if wanted is None:
-        return math.isnan(found)
-    return found == wanted or math.isclose(found, wanted, rel_tol=1e-9, abs_tol=1e-12)
+        return result == {True: 2, False: 0, None: 1}[expected]
+    if expected is None:
+        return math.isnan(result)
+    return result == expected or math.isclose(result, expected, rel_tol=1e-9, abs_tol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -212,7 +210,7 @@ def same(found: float, wanted: Any, analysis: Any) -> bool:
     ],
 )
 def test_the_canonical_form_is_read_again(text: str) -> None:
-    file = parse(text, TextFindings(text, in_text(text)))
+    file = parse(text)
     assert canonical(file, file.events[0].root) == text
 
 
@@ -226,10 +224,12 @@ def test_units_go_through_lists_and_functions() -> None:
         ("HYPOT(c, 30 cm) > 1 m", True),
         ("GREATEST(c, MAX(s.r[*])) > 1 m", True),
     ):
-        found = analyse(f"{declared}{expression}", rate=10)
-        assert (found.program is not None) is fits, expression
+        result = analyse(f"{declared}{expression}", rate=10)
+        assert (result.program is not None) is fits, expression
     covariance = "VAR v : NUMBER UNIT m VAR k : NUMBER UNIT m SQRT(v) > 1 m"
-    assert [one.code for one in analyse(covariance).problems if one.level == "error"] == ["E009"]
+    assert [entry.code for entry in analyse(covariance).problems if entry.level == "error"] == [
+        "E009"
+    ]
 
 
 def test_c_says_that_it_has_no_lists_yet() -> None:

@@ -62,15 +62,15 @@ def test_truth_tables(oracle: Any, word: str) -> None:
         assert table[word](a, b).truth == TRUTH[result]
 
 
-def by_types(op: str, one: NumVal, other: NumVal) -> NumVal | BoolVal:
+def by_types(op: str, item: NumVal, other: NumVal) -> NumVal | BoolVal:
     return {
-        "input": lambda: one,
-        "+": lambda: one + other,
-        "-": lambda: one - other,
-        "*": lambda: one * other,
-        "/": lambda: one / other,
-        ">": lambda: one > other,
-        "==": lambda: one.equals(other),
+        "input": lambda: item,
+        "+": lambda: item + other,
+        "-": lambda: item - other,
+        "*": lambda: item * other,
+        "/": lambda: item / other,
+        ">": lambda: item > other,
+        "==": lambda: item.equals(other),
     }[op]()
 
 
@@ -80,26 +80,26 @@ def test_arithmetic(oracle: Any) -> None:
         text = "x" if op == "input" else f"x {op} y"
         analysis = analyse(text, variables=variables({"x": "num", "y": "num"}))
         names = {"x": a, "y": b}
-        (found,) = Engine(analysis.program).step(0, [names[v.name] for v in analysis.variables])
+        (actual,) = Engine(analysis.program).step(0, [names[v.name] for v in analysis.variables])
         value = by_types(op, NumVal(a), NumVal(b))
         if isinstance(value, BoolVal):
-            assert found == value.truth == TRUTH[case["result"]]
+            assert actual == value.truth == TRUTH[case["result"]]
         elif case["result"] is None:
-            assert math.isnan(found)
+            assert math.isnan(actual)
             assert not value.known
         else:
-            assert found == value.value == case["result"]
+            assert actual == value.value == case["result"]
 
 
 def test_precedence_and_canonical_form(oracle: Any) -> None:
     for case in oracle["precedence"]:
-        findings = TextFindings(case["text"], in_text(case["text"]))
+        findings = TextFindings(in_text(case["text"]))
         file = parse(case["text"], findings)
-        found = canonical(file, file.events[0].root)
-        assert found == case["parsed"]
+        actual = canonical(file, file.events[0].root)
+        assert actual == case["parsed"]
         assert len(findings.problems) == case["warnings"]
-        again = parse(found, TextFindings(found, in_text(found)))
-        assert canonical(again, again.events[0].root) == found
+        again = parse(actual)
+        assert canonical(again, again.events[0].root) == actual
 
 
 def test_errors(oracle: Any) -> None:
@@ -117,7 +117,7 @@ def traces() -> list[str]:
 
 @pytest.mark.parametrize("name", traces())
 def test_traces(oracle: Any, name: str, tmp_path: Path) -> None:
-    trace = next(one for one in oracle["traces"] if one["name"] == name)
+    trace = next(item for item in oracle["traces"] if item["name"] == name)
     analysis = analyse(
         trace["text"],
         rate=trace["rate"],
@@ -135,15 +135,15 @@ def test_traces(oracle: Any, name: str, tmp_path: Path) -> None:
         for t, *values, _ in trace["steps"]
     ]
     lines = c_program.run(c_program.build(model, tmp_path), form, steps)
-    for step, line, (*_, wanted) in zip(steps, lines, trace["steps"], strict=True):
-        (found,) = engine.step(step.t, [step.values[v.name] for v in form.reads])
+    for step, line, (*_, expected) in zip(steps, lines, trace["steps"], strict=True):
+        (actual,) = engine.step(step.t, [step.values[v.name] for v in form.reads])
         (printed,) = generated.evaluate(step.t, *c_program.clean(form, step))
         if trace["type"] == "bool":
-            assert found == printed == int(line) == TRUTH[wanted], step
-        elif wanted is None:
-            assert math.isnan(found), step
+            assert actual == printed == int(line) == TRUTH[expected], step
+        elif expected is None:
+            assert math.isnan(actual), step
             assert math.isnan(printed)
             assert "nan" in line
         else:
-            assert found == printed == c_program.as_number(line)
-            assert math.isclose(found, wanted, rel_tol=1e-9), step
+            assert actual == printed == c_program.as_number(line)
+            assert math.isclose(actual, expected, rel_tol=1e-9), step

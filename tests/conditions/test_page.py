@@ -1,13 +1,11 @@
 """The page over HTTP: what it answers and what it refuses."""
 
 import http.client
-import io
 import re
 import socket
 import subprocess
 import sys
 import threading
-import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,8 +24,8 @@ D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
 
 @pytest.fixture
 def port() -> Iterator[int]:
-    with serving() as found:
-        yield found
+    with serving() as result:
+        yield result
 
 
 @contextmanager
@@ -95,14 +93,11 @@ def test_download(port: int) -> None:
     _, headers, text = send(port, "/generate", **form)
     assert headers["Content-Disposition"] == 'attachment; filename="demo_event.py"'
     assert text.startswith('"""Monitor of events')
-    connection = http.client.HTTPConnection("127.0.0.1", port)
-    body = urlencode({**form, "target": "c"})
-    kind = {"Content-Type": "application/x-www-form-urlencoded"}
-    connection.request("POST", "/generate", body, kind)
-    response = connection.getresponse()
-    names = zipfile.ZipFile(io.BytesIO(response.read())).namelist()
-    connection.close()
-    assert names == ["demo_event.h", "demo_event.c", "demo_main.c"]
+    _, headers, text = send(port, "/generate", **form, target="c")
+    assert headers["Content-Disposition"] == 'attachment; filename="demo_main.zip"'
+    names = re.findall("demo_[a-z]+[.][ch]", text)
+    # the last ones are those of the archive's directory
+    assert names[-3:] == ["demo_event.h", "demo_event.c", "demo_main.c"]
 
 
 def test_a_signal_is_drawn(port: int) -> None:
@@ -125,7 +120,8 @@ def test_what_was_typed_is_never_markup(port: int) -> None:
 
 
 def test_others_are_refused(port: int) -> None:
-    assert ask(port, "GET", "/", Host="evil.example")[0] == 403
+    for host in ("evil.example", "localhost", "localhost:1", f"LOCALHOST:{port}", f"x:{port}"):
+        assert ask(port, "GET", "/", Host=host)[0] == 403
     assert ask(port, "GET", "/", Host=f"localhost:{port}")[0] == 200
     form = {"Content_Type": "application/x-www-form-urlencoded"}
     for origin in ("http://evil.example", "null"):
@@ -133,12 +129,6 @@ def test_others_are_refused(port: int) -> None:
     own = f"http://127.0.0.1:{port}"
     assert ask(port, "POST", "/check", "text=x", Origin=own, **form)[0] == 200
     assert ask(port, "POST", "/check", "text=x", Content_Type="text/plain")[0] == 415
-
-
-@pytest.mark.parametrize("host", ["localhost", "localhost:1", "127.0.0.1", "LOCALHOST:{}", "x:{}"])
-def test_the_host_is_compared_exactly(port: int, host: str) -> None:
-    assert ask(port, "GET", "/", Host=host.format(port))[0] == 403
-    assert ask(port, "GET", "/", Host=f"127.0.0.1:{port}")[0] == 200
 
 
 def raw(port: int, head: str, body: bytes = b"") -> bytes:
@@ -219,10 +209,10 @@ def test_the_page_begins_with_the_file_that_was_given(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "eddi_scaffold", *words]
     with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as page:
         assert page.stderr is not None
-        found = re.search(r"127\.0\.0\.1:(\d+)/", page.stderr.readline())
+        result = re.search(r"127\.0\.0\.1:(\d+)/", page.stderr.readline())
         try:
-            assert found is not None
-            _, _, text = ask(int(found[1]), "GET", "/")
+            assert result is not None
+            _, _, text = ask(int(result[1]), "GET", "/")
         finally:
             page.terminate()
     assert "EVENT Hot := temp &gt; 81.5" in text

@@ -13,7 +13,7 @@ VARIABLES = "VAR a : BOOL TIMEOUT 1s\nVAR b : BOOL TIMEOUT 1s\nVAR v : NUMBER TI
 VALUES = {"a": (False, True), "b": (False, True), "v": (0, 1, 2)}
 
 
-def found(text: str, *, wanted: bool = True) -> dict[str, list[tuple[list[object], list[str]]]]:
+def uses_of(text: str, *, side: bool = True) -> dict[str, list[tuple[list[object], list[str]]]]:
     analysis = analyse(f"{VARIABLES}EVENT e (EVIDENCE) := {text}", rate=10)
     assert analysis.program is not None, analysis.problems
     (result,) = analysis.program.results
@@ -22,7 +22,7 @@ def found(text: str, *, wanted: bool = True) -> dict[str, list[tuple[list[object
             ([x for x in VALUES[name] if use.holds(x)], [n for n, _ in use.companions])
             for use in all_
         ]
-        for name, all_ in uses(analysis.program, result.operation, side=wanted).items()
+        for name, all_ in uses(analysis.program, result.operation, side=side).items()
     }
 
 
@@ -49,11 +49,11 @@ def found(text: str, *, wanted: bool = True) -> dict[str, list[tuple[list[object
     ],
 )
 def test_what_brings_a_condition_about(text: str, expected: object) -> None:
-    assert dict(sorted(found(text).items())) == expected
+    assert dict(sorted(uses_of(text).items())) == expected
 
 
 def test_what_makes_it_false() -> None:
-    assert found("a AND v < 1", wanted=False) == {"a": [([False], [])], "v": [([1, 2], [])]}
+    assert uses_of("a AND v < 1", side=False) == {"a": [([False], [])], "v": [([1, 2], [])]}
 
 
 def conditions() -> st.SearchStrategy[str]:
@@ -71,15 +71,15 @@ def conditions() -> st.SearchStrategy[str]:
 
 
 @given(conditions(), st.booleans())
-def test_a_value_that_no_use_allows_never_decides(text: str, wanted: bool) -> None:
+def test_a_value_that_no_use_allows_never_decides(text: str, side: bool) -> None:
     """Setting a variable to a value that passes no test cannot bring the wanted side about."""
     python = text
     for word, operator in (("AND", "and"), ("XOR", "!="), ("OR", "or"), ("IMPLIES", "<=")):
         python = python.replace(word, operator)
     python = python.replace("NOT", "not")
-    allowed = found(text, wanted=wanted)
+    allowed = uses_of(text, side=side)
     worlds = [dict(zip(VALUES, w, strict=True)) for w in itertools.product(*VALUES.values())]
-    truth = {tuple(w.values()): _value(python, w) is wanted for w in worlds}
+    truth = {tuple(w.values()): _value(python, w) is side for w in worlds}
     for world in worlds:
         for name, values in VALUES.items():
             mine = [x for tested, _ in allowed.get(name, []) for x in tested]

@@ -50,7 +50,7 @@ def test_every_legal_form_of_the_old_block(old: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "wanted"),
+    ("text", "expected"),
     [
         (
             "Model:\n  id: A\n# end\nEDDIInputs: []\n",
@@ -63,8 +63,8 @@ def test_every_legal_form_of_the_old_block(old: str) -> None:
         ("Model: {id: A}", f"Model: {{id: A}}\n{NEW}"),
     ],
 )
-def test_where_a_block_goes_that_is_not_there(text: str, wanted: str) -> None:
-    assert written(text, SCAN) == (wanted, [])
+def test_where_a_block_goes_that_is_not_there(text: str, expected: str) -> None:
+    assert written(text, SCAN) == (expected, [])
 
 
 def test_other_keys_stay_with_their_topic() -> None:
@@ -144,8 +144,8 @@ entries = st.lists(st.builds(TopicEntry, texts, texts, texts), max_size=4)
 @given(entries)
 def test_what_is_written_is_read_back(entries: list[TopicEntry]) -> None:
     text, _ = rewritten(ConfigText("c.yml", ""), entries)
-    found = yaml.safe_load(text)["SimulatorOutputs"]
-    assert found == [{"id": e.id, "type": e.type, "topic": e.topic} for e in entries]
+    result = yaml.safe_load(text)["SimulatorOutputs"]
+    assert result == [{"id": e.id, "type": e.type, "topic": e.topic} for e in entries]
 
 
 parts = st.sampled_from(

@@ -16,9 +16,9 @@ def fields_of(message: str) -> Fields | None:
     return KNOWN.get(message)
 
 
-def said(message: str, path: str) -> tuple[str, ...] | None:
-    found = documented(message, path.split("."), fields_of)
-    return None if found is None else found.units
+def spec(message: str, path: str) -> tuple[str, ...] | None:
+    result = documented(message, path.split("."), fields_of)
+    return None if result is None else result.units
 
 
 def test_units_are_those_of_the_shared_table() -> None:
@@ -30,10 +30,10 @@ def test_units_are_those_of_the_shared_table() -> None:
     wrong = []
     for row in rows:
         field = row["field"]
-        wanted = None if row["unit"] in VAGUE or field.endswith("stamp") else row["unit"]
-        found = said(row["type"], field)
-        if "|".join(found or ()) != (wanted or ""):
-            wrong.append((row["type"], field, wanted, found))
+        expected = None if row["unit"] in VAGUE or field.endswith("stamp") else row["unit"]
+        result = spec(row["type"], field)
+        if "|".join(result or ()) != (expected or ""):
+            wrong.append((row["type"], field, expected, result))
     assert wrong == []
 
 

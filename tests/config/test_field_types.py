@@ -17,9 +17,9 @@ KNOWN = {
 def taken(text: str) -> tuple[str, str | None]:
     """Return what is read of `Message path`."""
     name, path = text.split(" ", 1)
-    (message,) = (one for one in KNOWN if one.endswith(f"/{name}"))
-    found = resolve(parse_field(path), message, KNOWN.get)
-    return expression("m", found.path), found.type
+    (message,) = (entry for entry in KNOWN if entry.endswith(f"/{name}"))
+    result = resolve(parse_field(path), message, KNOWN.get)
+    return expression("m", result.path), result.type
 
 
 POWER = "by_key(by_key(m.status, 'name', '/Power: b').values, 'key', 'V').value"

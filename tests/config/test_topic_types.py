@@ -47,23 +47,27 @@ def forget() -> None:
 def problems(*types: str) -> list[Problem]:
     sources = [f"  - {{id: s{k}, type: {name}, topic: /t{k}}}" for k, name in enumerate(types)]
     text = "\n".join(["Model: {id: m, type: ConSert}", "SimulatorOutputs:", *sources])
-    config, found = read_config(Source("c.yml", text.encode()))
-    assert config is not None, found
+    config, result = read_config(Source("c.yml", text.encode()))
+    assert config is not None, result
     return list(check_types(config, {"s0", "s1"}))
 
 
 def test_a_package_of_this_machine_is_known_with_its_actions(ros: Path) -> None:
     assert problems("acme.Health", "acme.DockActionFeedback") == []
-    (found,) = problems("acme.Helth")
-    assert (found.code, found.level, found.hint) == ("K048", "error", "did you mean 'acme/Health'?")
+    (result,) = problems("acme.Helth")
+    assert (result.code, result.level, result.hint) == (
+        "K048",
+        "error",
+        "did you mean 'acme/Health'?",
+    )
     (ros / "msg" / "Helth.msg").write_text("bool fine\n")
     forget()
     assert problems("acme.Helth") == []
 
 
 def test_a_package_that_nobody_knows_is_told_once() -> None:
-    found = problems("acme.Health", "acme.Other")
-    assert [(one.code, one.level) for one in found] == [("K039", "warning")]
+    result = problems("acme.Health", "acme.Other")
+    assert [(entry.code, entry.level) for entry in result] == [("K039", "warning")]
 
 
 def test_every_common_message_exists() -> None:

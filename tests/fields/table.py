@@ -79,8 +79,8 @@ READS = {
     "list[b].value": (["list", ["name", "b"], "value"], 22),
     "ranges[right]": ([["ranges", "names", "right"]], 4.0),
     "header.frame_id": (["header", "frame_id"], "map"),
-    **{f"{one}.sec": ([*one.split("."), "sec"], TIMES[one][0]) for one in TIMES},
-    **{f"{one}.nanosec": ([*one.split("."), "nanosec"], TIMES[one][1]) for one in TIMES},
+    **{f"{entry}.sec": ([*entry.split("."), "sec"], TIMES[entry][0]) for entry in TIMES},
+    **{f"{entry}.nanosec": ([*entry.split("."), "nanosec"], TIMES[entry][1]) for entry in TIMES},
     "preset": ("preset", 7),
     "header": ("header", None),
     "levels": ("levels", None),
@@ -133,12 +133,12 @@ def write_package(folder):
         (folder / "msg" / f"{name}.msg").write_text(text, "utf-8")
 
 
-def fill(message, inner, *, seconds="sec", nanoseconds="nanosec", one=int):
+def fill(message, inner, *, seconds="sec", nanoseconds="nanosec", entry=int):
     """Set the fields; ``one`` makes a single byte of a number."""
     for name, value in VALUES.items():
         byte = name in ("level", "levels", "more_levels")
-        made = [one(x) for x in value] if byte and isinstance(value, list) else value
-        setattr(message, name, one(value) if name == "level" else made)
+        made = [entry(x) for x in value] if byte and isinstance(value, list) else value
+        setattr(message, name, entry(value) if name == "level" else made)
     message.header.frame_id = "map"
     for name, (s, ns) in TIMES.items():
         there = message
@@ -158,13 +158,13 @@ def read(message, rename=lambda name: name):
     """Return what a configuration reads."""
     from eddi_runtime.plain_values import follow, plain
 
-    found = {}
+    result = {}
     for name, (path, _) in READS.items():
         steps = [path] if isinstance(path, str) else path
-        found[name] = plain(
+        result[name] = plain(
             follow(message, [rename(x) if isinstance(x, str) else x for x in steps])
         )
-    return found
+    return result
 
 
 def on_ros1():
@@ -186,7 +186,7 @@ def on_ros2():
     from rclpy.serialization import deserialize_message, serialize_message
 
     inner = lambda value, name: Inner(value=value, name=name)  # noqa: E731
-    data = serialize_message(fill(All(), inner, one=lambda x: bytes([x])))
+    data = serialize_message(fill(All(), inner, entry=lambda x: bytes([x])))
     wide = deserialize_message(serialize_message(Wide(text="grün", level=b"\xc8")), Wide)
     values = read(deserialize_message(data, All))
     return {"values": values, "data": data.hex(), "wide": [wide.text, wide.level[0]]}

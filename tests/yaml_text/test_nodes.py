@@ -39,8 +39,8 @@ def test_every_key_and_value_has_its_place():
     node, problems = read("a: 1\nb:\n  - x\n  - {c: 'd'}\n")
     assert problems == []
     assert node.keys() == ["a", "b"]
-    (_, one), (key_b, items) = node.entries
-    assert (one.place.file, one.place.line, one.place.col) == ("f.yml", 1, 4)
+    (_, first), (key_b, items) = node.entries
+    assert (first.place.file, first.place.line, first.place.col) == ("f.yml", 1, 4)
     assert (key_b.place.line, items.place.line, items.place.col) == (2, 3, 3)
     entry = items.items[1].entries[0]
     assert (entry[0].place.col, entry[1].place.col, entry[1].plain) == (6, 9, False)
@@ -85,8 +85,8 @@ def test_what_a_plain_scalar_means(text, text_12, number, value_11):
     node = plain(text)
     assert node.plain
     assert y.as_text(node) == text_12
-    found = y.as_number(node)
-    assert (None if found is None else found.value) == number
+    result = y.as_number(node)
+    assert (None if result is None else result.value) == number
     assert y.value_11(node) == value_11
     assert type(y.value_11(node)) is type(value_11)
 
@@ -116,11 +116,7 @@ BAD = {
     "a: *b": (1, 4, "the alias *b has no anchor"),
     "a: &b [*b]": (1, 8, "the alias *b is inside the node that it refers to"),
     "? [a]\n: b": (1, 3, "a key must be text, not a list"),
-    "a: !!python/name:os.system ''": (
-        1,
-        4,
-        "the tag 'tag:yaml.org,2002:python/name:os.system' is not supported here",
-    ),
+    "a: !!a/b ''": (1, 4, "the tag 'tag:yaml.org,2002:a/b' is not supported here"),
     "a: \x00": (1, 4, "this is not YAML: the character U+0000 is not allowed"),
     "[" * 1000: (1, 33, "nested deeper than the limit of 32"),
     "- " * 100_000: (1, 65, "nested deeper than the limit of 32"),
@@ -136,22 +132,10 @@ def test_what_cannot_be_read(text):
     assert (problem.code, problem.level) == ("K001", "error")
 
 
-def test_not_utf8():
-    node, (problem,) = read(b"a: b\nc: \xff\n")
-    assert node is None
-    assert (problem.place.line, problem.place.col) == (2, 4)
-
-
 def test_repeated_keys_at_any_level_are_all_reported():
     node, problems = read("a: {b: 1, 'b': 2}\na: 3\n")
     assert [(p.place.line, p.place.col) for p in problems] == [(1, 11), (2, 1)]
     assert y.value_11(node) == {"a": {"b": 1}}
-
-
-def test_the_top_level_must_be_a_map():
-    node, (problem,) = y.read_map(Source("f.yml", b"- a\n"), "K001")
-    assert node is None
-    assert problem.message == "the top level must be a map, not a list"
 
 
 def test_aliases_count_for_the_depth():
@@ -229,22 +213,6 @@ def test_written_texts_are_texts_in_both_versions(text):
     assert y.value_11(node) == text
     assert y.as_number(node) is None
     assert y.as_bool(node) is None
-
-
-def test_layout_of_written_data():
-    value = {"list": [{"a": 1, "b": []}, [1, 2], "on"], "map": {}, "float": 1e16, "é": "Größe 1"}
-    assert y.dump_plain(value) == (
-        "list:\n"
-        "  - a: 1\n"
-        "    b: []\n"
-        "  - - 1\n"
-        "    - 2\n"
-        '  - "on"\n'
-        "map: {}\n"
-        "float: 1.0e+16\n"
-        "é: Größe 1\n"
-    )
-    assert y.dump_plain({"start": y.Verbatim("1.50")}) == "start: 1.50\n"
 
 
 def test_the_limit_of_the_parser_itself_is_told_as_ours():

@@ -223,9 +223,7 @@ def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[
         EddiError: a comment is not on a line of its own, or there is a bare expression (X031).
     """
     text = events.text
-    tokens = [
-        token for token in tokens_of(text, TextFindings(text, in_text(text))) if token.text != ";"
-    ]
+    tokens = [token for token in tokens_of(text, TextFindings(in_text(text))) if token.text != ";"]
     begins = [
         k
         for k, token in enumerate(tokens)
