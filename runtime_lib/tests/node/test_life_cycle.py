@@ -68,7 +68,7 @@ class OnGraph(Node):
     FREQUENCY = 200.0
 
     def __init__(self, monitor, eddi_input, graph):
-        super().__init__(monitor, eddi_input, converter(self.MESSAGES))
+        super().__init__(monitor, eddi_input, converter(self.MESSAGES), None)
         self.graph_of_test = graph
 
     def advertise(self, channel):

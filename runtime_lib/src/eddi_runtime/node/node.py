@@ -9,14 +9,14 @@ from __future__ import annotations
 import time
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, ClassVar, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, List, Mapping, Optional, Sequence
 
 from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Steps, __version__
 from ..plain_values import one_line
-from .health import Diagnostics, Health, Status
+from .health import Diagnostics, Health
 from .pasted import PASTED, understood
-from .report import GraphFact
+from .report import GraphFact, Report
 from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, Waker
 from .topics import (
     Converter,
@@ -35,9 +35,12 @@ from .topics import (
 if TYPE_CHECKING:  # travels where a monitor is one of a fleet
     from ..peers import Fleet
 
-__all__ = ["Node"]
 
-
+Options = Optional[Settings]
+NewInput = Callable[[], EDDIInputBase]
+NewMonitor = Callable[[], Steps]
+Statuses = Callable[[List[Report]], None]
+"""Publishes reports."""
 _NOTHING = object()
 """An input of which nothing is known: every evidence is UNKNOWN."""
 
@@ -59,11 +62,7 @@ class Node:
     FLEET: ClassVar[Fleet | None] = None  # the robots among which this one is
 
     def __init__(
-        self,
-        monitor: Steps,
-        eddi_input: EDDIInputBase,
-        converter: Converter,
-        options: Settings | None = None,
+        self, monitor: Steps, eddi_input: EDDIInputBase, converter: Converter, options: Options
     ) -> None:
         given: Any = monitor
         self._core: Monitor[Any] = getattr(given, "monitor", given)
@@ -167,10 +166,7 @@ class Node:
             )
 
     def run_on(
-        self,
-        name: str,
-        publisher: Callable[[], Callable[[list[Status]], None]],
-        begun: Callable[[], None],
+        self, name: str, publisher: Callable[[], Statuses], begun: Callable[[], None]
     ) -> None:
         """Be the one monitor of a process, until that ends."""
         diagnostics = Diagnostics(publisher()) if self.options.diagnostics else None
@@ -271,11 +267,11 @@ class Node:
             self._health.log_error("output", one_line(caught), traceback.format_exc())
         return output
 
-    def status(self, periodic: bool, title: str = "", name: str = "") -> Status:
-        """Return the present status; called by the thread of the diagnostics."""
+    def status(self, periodic: bool, title: str = "", name: str = "") -> Report:
+        """Return the present report; called by the thread of the diagnostics."""
         topics = self.topics() if self.FLEET is None else self.FLEET.described(self.topics())
         facts = self._receipts.latest(), self._schedule.overruns, self.graph(), topics
-        return Status(self._health.collect(*facts, periodic=periodic), title, name)
+        return self._health.collect(*facts, periodic=periodic)._replace(name=title, node=name)
 
     def log_start(self) -> None:
         core, folder = self._core, Path(__file__).resolve().parents[1]

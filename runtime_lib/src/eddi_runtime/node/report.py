@@ -93,6 +93,8 @@ class Report(NamedTuple):
     level: int
     message: str
     values: tuple[tuple[str, str], ...]
+    name: str = ""  # of the status (``<node>: <model id>``)
+    node: str = ""  # full name
 
 
 def level_of(states: Sequence[str], error: str, accepted: Sequence[str] = ()) -> int:

@@ -11,16 +11,15 @@ import threading
 import traceback
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Callable, Iterator
+from typing import Any, Iterator
 
 import rosgraph.names
 import rospy
 import rospy.names
 
 from ... import ModelError
-from ...inputs import EDDIInputBase
-from ...monitor import Steps
-from ...node.health import Diagnostics, Status
+from ...node.health import Diagnostics
+from ...node.node import NewInput, NewMonitor
 from ...node.report import ERROR, Report
 from ...node.start import LOG, StartError, Waker, end_at_signals
 from ...node.topics import MessageError
@@ -57,8 +56,8 @@ class Host:
     def add(
         self,
         node_class: type[MonitorNode],
-        eddi_input_class: Callable[[], EDDIInputBase],
-        eddi_monitor_class: Callable[[], Steps],
+        eddi_input_class: NewInput,
+        eddi_monitor_class: NewMonitor,
     ) -> None:
         """Make the node of a monitor, without ROS; StartError where it must not start."""
         name = _full_name(node_class.NAME)
@@ -96,9 +95,8 @@ class Host:
                 node.begin(own_name, diagnostics)
                 threading.Thread(target=node.ros_main, name=own_name, daemon=True).start()
         for failed, reason in self._failed.items():
-            report = Report(ERROR, f"not started: {reason}", ())
-            status = Status(report, failed.lstrip("/"), failed)
-            diagnostics.add(partial(lambda known, _: known, status))
+            report = Report(ERROR, f"not started: {reason}", (), failed.lstrip("/"), failed)
+            diagnostics.add(partial(lambda known, _: known, report))
         if watched is not None:
             watched.start()
         while not self._ending.begun:

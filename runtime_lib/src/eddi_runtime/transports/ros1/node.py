@@ -11,7 +11,7 @@ import time
 from io import BytesIO
 from operator import attrgetter
 from types import ModuleType
-from typing import Any, Callable, Mapping
+from typing import Any, Mapping
 
 import diagnostic_msgs.msg
 import rospy
@@ -19,10 +19,10 @@ import rospy.impl.paramserver
 
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import ModelError, Steps
-from ...node.health import Status, diagnostics_tree
-from ...node.node import Node
+from ...node.health import diagnostics_tree
+from ...node.node import NewInput, NewMonitor, Node, Options, Statuses
 from ...node.report import GraphFact
-from ...node.start import LOG, Settings, StartError, end_at_signals, write_to_stderr
+from ...node.start import LOG, StartError, end_at_signals, write_to_stderr
 from ...node.topics import (
     DEFAULT_BUFFER_BYTES,
     MAX_QUEUED,
@@ -102,7 +102,7 @@ def _stamped_age(message: object) -> float:
     return age if age >= 0.0 else UNKNOWN_AGE
 
 
-def diagnostics_publisher() -> Callable[[list[Status]], None]:
+def diagnostics_publisher() -> Statuses:
     """Return what publishes statuses on ``/diagnostics``."""
     messages: Any = diagnostic_msgs.msg
     publisher: Any = rospy.Publisher("/diagnostics", messages.DiagnosticArray, queue_size=5)
@@ -128,9 +128,7 @@ _REGISTERED = "its publisher is registered, and silent"  # a master does not kno
 class MonitorNode(Node):
     """Base class of the generated RosNode."""
 
-    def __init__(
-        self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings | None = None
-    ) -> None:
+    def __init__(self, monitor: Steps, eddi_input: EDDIInputBase, options: Options = None) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
         self._subscribers: dict[str, Any] = {}
         self.share(RosEnding(), TypeRefusals(), None)
@@ -209,9 +207,7 @@ class MonitorNode(Node):
         return self.ending.status
 
     @classmethod
-    def main(
-        cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
-    ) -> int:
+    def main(cls, eddi_input_class: NewInput, eddi_monitor_class: NewMonitor) -> int:
         """Run the node of a generated package and return its exit status.
 
         0 after a normal end, 1 when it must not start or lost its name, 3 when the ROS master was

@@ -18,8 +18,8 @@ from rclpy.time import Time
 from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.health import Status, diagnostics_tree
-from ...node.node import Node
+from ...node.health import diagnostics_tree
+from ...node.node import NewInput, NewMonitor, Node, Statuses
 from ...node.publications import fault, reading_qos, writing_qos
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
@@ -143,7 +143,7 @@ class MonitorNode(Node):
     def run(self, begun: Callable[[], None]) -> None:
         self.run_on(self._process.name, self.statuses, begun)
 
-    def statuses(self) -> Callable[[list[Status]], None]:
+    def statuses(self) -> Statuses:
         messages: Any = diagnostic_msgs.msg
         made, qos = converter(messages, self._process.stamp), profile(writing_qos({}, 1))
         publish = self._process.publisher("/diagnostics", messages.DiagnosticArray, qos)
@@ -159,9 +159,7 @@ class MonitorNode(Node):
         return node.ending.status
 
     @classmethod
-    def main(
-        cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
-    ) -> int:
+    def main(cls, eddi_input_class: NewInput, eddi_monitor_class: NewMonitor) -> int:
         """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
         process: Any = None
