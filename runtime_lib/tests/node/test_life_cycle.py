@@ -167,19 +167,6 @@ def test_its_last_word_is_that_nothing_is_known(robot):
     assert robot.graph.listeners == {}
 
 
-def test_activated_again_it_knows_nothing_of_before(robot):
-    robot.life.configure()
-    for activation in range(3):
-        robot.activate()
-        before = len(robot.graph.said.get(GUARANTEES, ()))
-        robot.until(lambda before=before: len(robot.graph.said.get(GUARANTEES, ())) > before + 3)
-        later = robot.graph.said[GUARANTEES][before:]
-        assert not any(one.active for message in later for one in message.guarantees)
-        assert len(robot.inputs) == activation + 1
-        robot.sense()
-        robot.deactivate()
-
-
 def test_a_step_that_hangs_leaves_no_guarantee_behind(robot, monkeypatch):
     """Also of it nothing counts later, and there is no second monitor beside it."""
     monkeypatch.setattr(life_cycle, "_STEP_S", 0.1)
