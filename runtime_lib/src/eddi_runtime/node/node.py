@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, ClassVar, List, Mapping, Optional, Sequence
 
 from ..inputs import EDDIInputBase
-from ..monitor import Monitor, Steps, __version__
+from ..monitor import ModelError, Monitor, Steps, __version__
 from ..plain_values import one_line
 from .health import Diagnostics, Health
 from .pasted import PASTED, understood
 from .report import GraphFact, Report
-from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, Waker
+from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, StartError, Waker
 from .topics import (
     Converter,
     Input,
@@ -41,6 +41,8 @@ NewInput = Callable[[], EDDIInputBase]
 NewMonitor = Callable[[], Steps]
 Statuses = Callable[[List[Report]], None]
 """Publishes reports."""
+REFUSALS = (StartError, ModelError, MessageError)
+"""Why a node must not start."""
 _NOTHING = object()
 """An input of which nothing is known: every evidence is UNKNOWN."""
 

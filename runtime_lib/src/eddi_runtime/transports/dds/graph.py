@@ -31,8 +31,8 @@ from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from ...node.publications import reading_qos, writing_qos
 from ...node.start import LOG, StartError
+from ...node.topics import reading_qos, writing_qos
 from .messages import message_classes
 
 Receive = Callable[[Any, bool], None]

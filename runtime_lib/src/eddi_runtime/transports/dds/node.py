@@ -12,15 +12,13 @@ import sys
 import time
 from typing import Any, Mapping, NamedTuple, Sequence, Union
 
-from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
 from ...node.health import diagnostics_tree
-from ...node.node import NewInput, NewMonitor, Node, Statuses
-from ...node.publications import fault
-from ...node.report import GraphFact
+from ...node.node import REFUSALS, NewInput, NewMonitor, Node, Statuses
+from ...node.report import GraphFact, fault
 from ...node.start import LOG, Settings, StartError, end_at_signals, settings, write_to_stderr
-from ...node.topics import MAX_QUEUED, Input, MessageError, Output, Publish, Topic
+from ...node.topics import Input, Output, Publish, Topic
 from .graph import Graph, Publication, reading, writing
 from .messages import OWN, Unreadable, converter
 
@@ -140,7 +138,7 @@ class MonitorNode(Node):
             else:
                 self._receipts.receive(source.id, message, _age(message) if kept else 0.0)
 
-        qos = reading(source.qos, MAX_QUEUED if source.every_message else _DEPTH)
+        qos = reading(source.qos, source.waiting(_DEPTH))
         self._graph.reader(self._given.topic(source.topic), source.type, receive, qos)
 
     def simulated_ns(self) -> int | None:
@@ -220,7 +218,7 @@ class MonitorNode(Node):
             node = cls(eddi_monitor_class(), eddi_input_class(), options, given)
             node.prepare()
             return node.run()
-        except (StartError, ModelError, MessageError) as error:
+        except REFUSALS as error:
             write_to_stderr(cls.NAME, f"error: {error}")
             return 1
 

@@ -17,12 +17,10 @@ import rosgraph.names
 import rospy
 import rospy.names
 
-from ... import ModelError
 from ...node.health import Diagnostics
-from ...node.node import NewInput, NewMonitor
+from ...node.node import REFUSALS, NewInput, NewMonitor
 from ...node.report import ERROR, Report
 from ...node.start import LOG, StartError, Waker, end_at_signals
-from ...node.topics import MessageError
 from ...plain_values import one_line
 from .node import MonitorNode, diagnostics_publisher, start_log
 from .process import RosEnding, TypeRefusals, node_name, options_of, watch
@@ -42,7 +40,7 @@ class Host:
         """Go on without the monitor of a package if that cannot be started."""
         try:
             yield
-        except (StartError, ModelError, MessageError) as error:
+        except REFUSALS as error:
             self._fail(package, str(error))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - hand-written code may raise anything
             traceback.print_exc()

@@ -18,23 +18,12 @@ import rospy
 import rospy.impl.paramserver
 
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
-from ...monitor import ModelError, Steps
+from ...monitor import Steps
 from ...node.health import diagnostics_tree
-from ...node.node import NewInput, NewMonitor, Node, Options, Statuses
+from ...node.node import REFUSALS, NewInput, NewMonitor, Node, Options, Statuses
 from ...node.report import GraphFact
-from ...node.start import LOG, StartError, end_at_signals, write_to_stderr
-from ...node.topics import (
-    DEFAULT_BUFFER_BYTES,
-    MAX_QUEUED,
-    Converter,
-    Input,
-    MessageClasses,
-    MessageError,
-    Output,
-    Publish,
-    Receipts,
-    Topic,
-)
+from ...node.start import LOG, end_at_signals, write_to_stderr
+from ...node.topics import DEFAULT_BUFFER_BYTES, Converter, Input, Output, Publish, Receipts, Topic
 from .process import (
     LOST,
     RosEnding,
@@ -68,7 +57,7 @@ def ros_type(message: object) -> str:
 def converter(messages: ModuleType) -> Converter:
     """Return what makes messages of a package; rospy itself counts ``header.seq``."""
     fields = attrgetter("__slots__", "_slot_types")
-    return Converter(MessageClasses(messages, lambda cls: zip(*fields(cls)), ros_type, stamp))
+    return Converter(messages, lambda cls: zip(*fields(cls)), ros_type, stamp)
 
 
 class Callback:
@@ -144,7 +133,7 @@ class MonitorNode(Node):
             source.topic,
             source.type,
             Callback(source.id, self._receipts),
-            queue_size=MAX_QUEUED if source.every_message else 1,
+            queue_size=source.waiting(1),
             tcp_nodelay=True,
             **({"buff_size": source.buffer_bytes} if large else {}),
         )
@@ -221,7 +210,7 @@ class MonitorNode(Node):
             node = cls(eddi_monitor_class(), eddi_input_class(), options)
             node.prepare()
             rospy.init_node(cls.NAME)
-        except (StartError, ModelError, MessageError, rospy.ROSInitException) as error:
+        except (*REFUSALS, rospy.ROSInitException) as error:
             if rospy.is_shutdown():
                 return 0  # ended while it waited for the ROS master
             write_to_stderr(name, f"error: {error}")
