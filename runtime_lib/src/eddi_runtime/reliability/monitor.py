@@ -65,12 +65,12 @@ class Reliability(Monitor[ReliabilityResult]):
         values: dict[str, Taken] = {}
         for raw, spec in zip(raws, self._sources):
             rule, factor = self.rules[spec.id], spec.factor
-            value, fault = take(rule, raw)
+            value, fault = take(rule if factor is None else rule.divided(*factor), raw)
             if factor is not None and isinstance(value, float):
-                given = value
-                value, fault = take(rule, given * factor[0] / factor[1])
-                if fault:  # told in the unit in which it came
-                    fault = take(rule.divided(*factor), given)[1] or fault
+                scaled = value * factor[0] / factor[1]
+                if math.isfinite(scaled):  # rounding must not lead out of the range
+                    scaled = min(max(scaled, rule.low), rule.high)
+                value, fault = take(rule, scaled)
             if fault:
                 self._faults[spec.id] = fault
             values[spec.id] = value
