@@ -219,7 +219,13 @@ class Reliability(Monitor[ReliabilityResult]):
         return {"valid": output.valid, **output.evidence}
 
     def message(self, output: object) -> Tree:
-        given = output if isinstance(output, ReliabilityResult) else self._refused()
+        given = output if isinstance(output, ReliabilityResult) else None
+        if given is None:  # the worst case
+            given = self._result._replace(
+                valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0,
+                mttf=NAN, evidence={judge.id: False for judge in self._evidence},
+                reason="the output is no result of this monitor",
+            )  # fmt: skip
         # what may hold although it is not active
         open_ = [one.id for one in self._evidence if one.possible and not one.active]
         pairs = given.evidence.items()
@@ -238,13 +244,6 @@ class Reliability(Monitor[ReliabilityResult]):
             "evidence": rows,
             "accepted": list(self.accepted()),
         }
-
-    def _refused(self) -> ReliabilityResult:
-        return self._result._replace(
-            valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0, mttf=NAN,
-            evidence={one.threshold.id: False for one in self._evidence},
-            reason="the output is no result of this monitor",
-        )  # fmt: skip
 
     def standings(self) -> list[Standing]:
         return [

@@ -81,7 +81,12 @@ class Host:
         start_log()
         LOG.named = True
         self._refusals.install()
-        watched = watch(options, self._ending, self._expected_types, self._report_now)
+
+        def report_now() -> None:
+            for node in self._nodes.values():
+                node.report_now()
+
+        watched = watch(options, self._ending, self._expected_types, report_now)
         diagnostics = Diagnostics(diagnostics_publisher())
         self._ending.on_end(diagnostics.stop)
         diagnostics.start()
@@ -112,10 +117,6 @@ class Host:
     def _expected_types(self) -> dict[str, tuple[str, str]]:
         nodes = self._nodes.values()
         return {topic: of for node in nodes for topic, of in node.expected_types().items()}
-
-    def _report_now(self) -> None:
-        for node in self._nodes.values():
-            node.report_now()
 
 
 def _full_name(name: str) -> str:
