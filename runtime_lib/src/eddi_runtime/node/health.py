@@ -90,10 +90,10 @@ class Health:
         changed = self._changes.note(output) or kinds != self._kinds
         if changed or now - self._asked_at >= _REFRESH_S:
             self._kinds, self._asked_at = kinds, now
-            pairs, one = zip(self._inputs, kinds), self._monitor
+            pairs, core = zip(self._inputs, kinds), self._monitor
             unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
-            facts = tuple(one.standings()), tuple(one.accepted()), dict(one.blocked(unknown))
-            self._known = MonitorFact(*facts, tuple(one.doubts()))
+            facts = tuple(core.standings()), tuple(core.accepted()), dict(core.blocked(unknown))
+            self._known = MonitorFact(*facts, tuple(core.doubts()))
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
         self._level = level_of(kinds, error, self._known.accepted + self._known.doubts)
