@@ -158,30 +158,26 @@ class Silence:
         if self._published != (names := frozenset(published)):
             self._published, self._absent = names, {}  # the nearest names are searched anew
         wrong_types, reasons = {}, {}
-        for topic in topics:
-            if topic.types and topic.expected not in topic.types:
-                sent = min(topic.types)
-                wrong_types[topic.name] = f"{topic.expected} expected, the publisher sends {sent}"
+        for name, expected, types, age, fault in topics:
+            if types and expected not in types:
+                wrong_types[name] = f"{expected} expected, the publisher sends {min(types)}"
+            elif types:
+                reasons[name] = fault
+            elif age is not None or name in self._were_published:
+                reasons[name] = "its publisher is gone"
+            elif time.monotonic() < self._settled_at:
+                reasons[name] = ""
             else:
-                reasons[topic.name] = self._reason(topic)
-            if topic.types:
-                self._were_published.add(topic.name)
+                if name not in self._absent:
+                    import difflib  # noqa: PLC0415 - only for what should not happen
+
+                    similar = difflib.get_close_matches(name, sorted(self._published), 1)
+                    nearest = f", the nearest name is {similar[0]}" if similar else ""
+                    self._absent[name] = f"nobody publishes it{nearest}"
+                reasons[name] = self._absent[name]
+            if types:
+                self._were_published.add(name)
         return GraphFact(wrong_types=wrong_types, reasons=reasons)
-
-    def _reason(self, topic: Topic) -> str:
-        if topic.types:
-            return topic.fault
-        if topic.age is not None or topic.name in self._were_published:
-            return "its publisher is gone"
-        if time.monotonic() < self._settled_at:
-            return ""
-        if topic.name not in self._absent:
-            import difflib  # noqa: PLC0415 - only for what should not happen
-
-            near = difflib.get_close_matches(topic.name, sorted(self._published), 1)
-            nearest = f", the nearest name is {near[0]}" if near else ""
-            self._absent[topic.name] = f"nobody publishes it{nearest}"
-        return self._absent[topic.name]
 
 
 _WHOLE: Mapping[str, tuple[int, int]] = {

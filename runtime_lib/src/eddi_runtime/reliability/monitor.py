@@ -105,7 +105,13 @@ class Reliability(Monitor[ReliabilityResult]):
         beyond = self._limit_mission(values) if self.moving else ""
         self._taken = values
         quanta, reason = self._pass(now)
-        moment = self._moment(values, quanta)
+        size, horizon, index = self._quantum, self.horizon, 0
+        if self.moving:
+            remaining, index = values[MISSION_END], GRID
+            if isinstance(remaining, float):
+                index = min(GRID, max(0, math.ceil(remaining / 3600.0 / horizon * GRID - 1e-9)))
+            horizon = horizon * index / GRID
+        moment = _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
         known: dict[str, Estimate] = {}
         for name, step in self._steps:
             known[name] = step(values, moment, known)
@@ -163,15 +169,6 @@ class Reliability(Monitor[ReliabilityResult]):
         shown = f"{left:g} s is above mission_time ({longest:g} s); it counts as unknown"
         self._faults[MISSION_END] = shown
         return "mission_end is above mission_time"
-
-    def _moment(self, values: Mapping[str, Taken], quanta: int) -> Moment:
-        size, horizon, index = self._quantum, self.horizon, 0
-        if self.moving:
-            remaining, index = values[MISSION_END], GRID
-            if isinstance(remaining, float):
-                index = min(GRID, max(0, math.ceil(remaining / 3600.0 / horizon * GRID - 1e-9)))
-            horizon = horizon * index / GRID
-        return _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
 
     def doubts(self) -> tuple[str, ...]:
         one = self._result

@@ -90,7 +90,11 @@ class Host:
         diagnostics = Diagnostics(diagnostics_publisher())
         self._ending.on_end(diagnostics.stop)
         diagnostics.start()
-        self._take_every_message()
+        nodes: list[Any] = [*self._nodes.values()]
+        # the messages of a topic are queued for all monitors if one takes each
+        queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
+        for node in nodes:
+            node.INPUTS = [one._replace(every_message=one.topic in queued) for one in node.INPUTS]
         for own_name, node in self._nodes.items():
             threading.current_thread().name = own_name  # in the log
             with self.starting(own_name):
@@ -106,13 +110,6 @@ class Host:
             ended.wait(threading.TIMEOUT_MAX)
         self._ending.wait()
         return self._ending.status
-
-    def _take_every_message(self) -> None:
-        """Queue the messages of a topic for all monitors if one takes each."""
-        nodes: list[Any] = [*self._nodes.values()]
-        queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
-        for node in nodes:
-            node.INPUTS = [one._replace(every_message=one.topic in queued) for one in node.INPUTS]
 
     def _expected_types(self) -> dict[str, tuple[str, str]]:
         nodes = self._nodes.values()
