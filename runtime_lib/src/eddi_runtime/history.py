@@ -12,6 +12,9 @@ if TYPE_CHECKING:  # travels where a monitor has one
     from .expressions.expression import Expression
 
 
+__all__ = ["EDDIInputBase", "Messages"]
+
+
 class Messages(List[Any]):
     """The values of all messages since the last step, oldest first; no message is a list so."""
 

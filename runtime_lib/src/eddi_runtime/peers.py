@@ -19,6 +19,8 @@ from .inputs import Word
 from .monitor import Tree
 from .node.topics import Input, Receipt
 
+__all__ = ["Fleet", "Found", "Name", "Peers", "Source"]
+
 _WORDS = "~peers"  # id of the subscription to all words; none of a configuration is like it
 LONGEST_LEASE = 60.0
 """Seconds: a node that was silent for longer is forgotten, and so is when a word was told."""

@@ -36,6 +36,9 @@ if TYPE_CHECKING:  # travels where a monitor is one of a fleet
     from ..peers import Fleet
 
 
+__all__ = ["Node"]
+
+
 Options = Optional[Settings]
 NewInput = Callable[[], EDDIInputBase]
 NewMonitor = Callable[[], Steps]
@@ -145,11 +148,13 @@ class Node:
         return self._converter.messages(self._core.message(eddi_output))
 
     def init_publisher(self) -> None:
+        """Advertise every output topic."""
         self._publications = Publications(self.OUTPUTS, self.advertise)
         if self.FLEET is not None:
             self._tell = self.advertise(Output("", self.FLEET.topic, self.FLEET.type))
 
     def init_subscriber(self) -> None:
+        """Subscribe to every input topic."""
         for source in self._sources:
             self.subscribe(source)
 
@@ -184,6 +189,7 @@ class Node:
         self._level_changed()
 
     def ros_main(self) -> None:
+        """Run steps until the node ends."""
         self._schedule.start(time.monotonic())
         while not self.ending.begun:
             self._waker.wait(self._schedule.wait_s(time.monotonic()))

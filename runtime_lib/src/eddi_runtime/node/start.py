@@ -20,6 +20,8 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
 from ..monitor import ModelError
 
+__all__ = ["FREQUENCIES", "LOG", "Settings", "StartError", "installed", "reported", "settings"]
+
 _ADVICE = "run `eddi-scaffold upgrade` or `copier recopy --trust --force` in the package"
 
 

@@ -13,6 +13,8 @@ from ...plain_values import one_line
 from .node import MonitorNode
 from .process import Process, Receive, declared
 
+__all__ = ["ManagedMonitorNode"]
+
 
 class _ManagedNode(LifecycleNode):  # type: ignore[misc]
     """A node of rclpy that hands its transitions over."""
