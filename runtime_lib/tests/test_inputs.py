@@ -88,16 +88,6 @@ def test_another_method_makes_no_input_known():
         assert one.free is True
 
 
-def test_none_is_invalid():
-    one = Input()
-
-    def forgets(a, b):
-        one.front = None
-
-    assert one.go(BOTH, None, forgets) == (None, "invalid")
-    assert one.states["front left"].reason == "its method left it at None"
-
-
 def test_a_value_is_of_this_step():
     """A method that finds nothing in a message leaves no value of an earlier message behind."""
     one = Input()

@@ -7,14 +7,12 @@ from eddi_runtime.node.report import (
     ERROR,
     OK,
     STALE,
-    WARN,
     GraphFact,
     InputFact,
     MonitorFact,
     NodeFact,
     SourceFact,
     because,
-    level_of,
     report,
     standing_text,
 )
@@ -37,21 +35,17 @@ def test_nothing_to_say():
     assert "K.reason" not in values
 
 
-def test_what_was_missed_and_still_counts_is_a_warning():
-    found = said(KNOWN, monitor=MonitorFact(doubts=("pump: it may have failed",)))
-    assert (found.level, found.message) == (WARN, "pump: it may have failed")
-
-
 def test_the_worst_finding_comes_first():
     waiting = InputFact("M", "waiting", blocks=("G1", "G2"), sources=(C,))
     late = InputFact("S", "stale", age=2.0, limit=0.5, sources=(B,))
     node = CALM._replace(recent_overruns=1, graph=GraphFact(warnings=("ROS master lost",)))
-    found = said(waiting, late, KNOWN, node=node)
+    more = MonitorFact(accepted=("K: max_age: none",), doubts=("pump: it may have failed",))
+    found = said(waiting, late, KNOWN, monitor=more, node=node)
     assert found.level == STALE
     assert found.message == (
         "S stale: /b is late, 1.25 s old, the limit is 0.5 s; "
         "M waiting: waiting for first message of /c (blocks G1, G2); "
-        "1 steps left out; ROS master lost"
+        "1 steps left out; ROS master lost; accepted: K: max_age: none; pump: it may have failed"
     )
     assert dict(found.values)["S.age_s"] == "2.000"
     broken = InputFact("B", "invalid", "why")
@@ -80,14 +74,6 @@ LATE, NEVER = "/b is late, 1.25 s old, the limit is 1 s", "never received since 
 )
 def test_an_input_names_the_topics_that_are_to_blame(state, sources, words):
     assert because(InputFact("I", state, "as it was told", limit=1.0, sources=sources)) == words
-
-
-def test_an_input_that_never_came_is_an_error_only_after_the_grace():
-    waiting, never = (InputFact("I", one, sources=(C,)) for one in ("waiting", "missing"))
-    assert said(waiting).level == WARN == level_of(["ok", "waiting"], "")
-    assert said(never).level == ERROR == level_of(["ok", "missing"], "")
-    assert said(never).message == "I missing: never received since start: /c"
-    assert level_of(["stale"], "") == STALE
 
 
 def test_every_guarantee_is_listed_and_an_inactive_one_with_its_reason():
@@ -125,15 +111,3 @@ def test_a_long_reason_stays_one_line():
     many = tuple((f"I{k}", "no value") for k in range(7))
     text = standing_text(Standing("guarantee", "G", active=False, lacks=many), {})
     assert text.endswith("I4: no value; and 2 more inputs")
-
-
-def test_an_acceptance_in_use_is_a_warning():
-    found = said(KNOWN, monitor=MonitorFact(accepted=("K: max_age: none",)))
-    assert (found.level, found.message) == (WARN, "accepted: K: max_age: none")
-    assert dict(found.values)["accepted.0"] == "K: max_age: none"
-    assert level_of(["ok"], "", ["K: max_age: none"]) == WARN
-
-
-def test_an_input_that_is_called_like_a_value_of_another_hides_nothing():
-    found = said(KNOWN, InputFact("K.age_s", "ok"))
-    assert [key for key, _ in found.values].count("K.age_s") == 2

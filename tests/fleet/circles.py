@@ -91,7 +91,7 @@ class Robots:
 
 class _Node(Node):
     def __init__(self, robots: Robots, robot: str, running: Any, given: Any) -> None:
-        super().__init__(running, given, converter(MESSAGE_CLASSES))
+        super().__init__(running, given, converter(MESSAGE_CLASSES), None)
         self.eddi_input.bind(running.inputs)
         for spec in running.inputs:
             setattr(self.eddi_input, spec.attribute, spec.default)

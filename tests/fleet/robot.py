@@ -20,7 +20,7 @@ from types import SimpleNamespace
 
 from eddi_runtime.node.node import Node
 from eddi_runtime.node.start import Settings
-from eddi_runtime.node.topics import Converter, Input, MessageClasses, Output
+from eddi_runtime.node.topics import Converter, Input, Output
 from eddi_runtime.peers import Fleet, Source
 
 given = json.loads(sys.argv[1])
@@ -145,14 +145,12 @@ node = Robot(
     importlib.import_module("mover.EDDIMonitor").EDDIMonitor(),
     importlib.import_module("mover.EDDIInput").EDDIInput(),
     Converter(
-        MessageClasses(
-            module,
-            lambda cls: cls.FIELDS.items(),
-            lambda one: (
-                f"eddi_messages/{one.__name__ if isinstance(one, type) else type(one).__name__}"
-            ),
-            time.time,
-        )
+        module,
+        lambda cls: cls.FIELDS.items(),
+        lambda one: (
+            f"eddi_messages/{one.__name__ if isinstance(one, type) else type(one).__name__}"
+        ),
+        time.time,
     ),
     Settings(given["frequency"], diagnostics=False),
 )

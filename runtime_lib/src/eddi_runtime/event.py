@@ -159,8 +159,14 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return found
 
     def _fault(self, k: int) -> str:
-        beyond = _beyond(self.limits[k], plain(self.raw[k]))
-        factor = self.inputs[k].factor
+        value, limits, factor = plain(self.raw[k]), self.limits[k], self.inputs[k].factor
+        beyond = ""
+        if limits is not None and isinstance(value, (int, float)):
+            low, high, infinite = limits
+            if value in (math.inf, -math.inf):
+                beyond = "" if infinite else f"{show(value)}, without ALLOW INF"
+            elif value < low or value > high:
+                beyond = f"{show(value)} is outside RANGE {low:.15g} .. {high:.15g}"
         if beyond and factor is not None:
             given = scaled(self.raw[k], factor[1], factor[0])
             beyond = f"{given:.15g}, times {factor[0] / factor[1]:.9g}: {beyond}"
@@ -192,14 +198,3 @@ def fault(kind: str | tuple[str, ...], raw: object) -> str:
         return ""
     wanted = _WANTED[kind] if isinstance(kind, str) else ", ".join(kind)
     return f"expected {wanted}, got {show(raw)}"
-
-
-def _beyond(limits: tuple[float, float, bool] | None, value: object) -> str:
-    if limits is None or not isinstance(value, (int, float)):
-        return ""
-    low, high, infinite = limits
-    if value in (math.inf, -math.inf):
-        return "" if infinite else f"{show(value)}, without ALLOW INF"
-    if value < low or value > high:
-        return f"{show(value)} is outside RANGE {low:.15g} .. {high:.15g}"
-    return ""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, List, Mapping, Sequence
 
 from . import inputs
-from .inputs import InputSpec, InputState, aged, invalid
+from .inputs import InputSpec, InputState, Latest, Method, aged, invalid
 from .plain_values import UNTOLD
 
 if TYPE_CHECKING:  # travels where a monitor has one
     from .expressions.expression import Expression
+
 
 __all__ = ["EDDIInputBase", "Messages"]
 
@@ -49,11 +50,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
         return waited
 
     def update_each(
-        self,
-        input_id: str,
-        process: Callable[..., object],
-        simulator_outputs: Mapping[str, object],
-        requires: Sequence[str],
+        self, input_id: str, process: Method, simulator_outputs: Latest, requires: Sequence[str]
     ) -> None:
         """Call ``process`` once for each new message of the first id; never raises.
 
@@ -86,11 +83,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
         self.__leave(input_id, after, values)
 
     def update_expression(
-        self,
-        input_id: str,
-        process: Callable[..., object],
-        simulator_outputs: Mapping[str, object],
-        requires: Sequence[str],
+        self, input_id: str, process: Method, simulator_outputs: Latest, requires: Sequence[str]
     ) -> None:
         """Call ``process`` in every step, whatever has come; never raises.
 

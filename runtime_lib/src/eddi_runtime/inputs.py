@@ -28,6 +28,12 @@ TWO_CLOCKS = "two clocks"
 """Why an age is not known: it began by another clock than that of now, or one that went back."""
 
 
+Method = Callable[..., object]
+"""Takes messages and sets an attribute; a person writes what is in it."""
+Latest = Mapping[str, object]
+"""SimulatorOutput id -> its latest message."""
+
+
 class InputSpec(NamedTuple):
     """One input of a model."""
 
@@ -214,11 +220,7 @@ class EDDIInputBase:
             setattr(self, attribute, value)
 
     def update(
-        self,
-        input_id: str,
-        process: Callable[..., object],
-        simulator_outputs: Mapping[str, object],
-        requires: Sequence[str],
+        self, input_id: str, process: Method, simulator_outputs: Latest, requires: Sequence[str]
     ) -> None:
         """Call ``process`` with the messages it requires; never raises.
 
@@ -264,7 +266,7 @@ class EDDIInputBase:
         return (input_id, None) if spec is None else (spec.attribute, spec.max_age)
 
     def __received(
-        self, input_id: str, simulator_outputs: Mapping[str, object], requires: Sequence[str]
+        self, input_id: str, simulator_outputs: Latest, requires: Sequence[str]
     ) -> tuple[list[object], list[float], InputState]:
         """Return the latest messages, their ages, and whether they are there and fresh."""
         messages = [simulator_outputs.get(name) for name in requires]

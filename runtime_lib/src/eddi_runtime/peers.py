@@ -113,7 +113,7 @@ class Peers:
     def told(self, message: object, monitor: Any, now: float) -> Tree:
         """Return the word about a message that was published, as ``word`` does."""
         rows = getattr(message, "guarantees", ())
-        by = [monitor.robots(one.id) if one.active else () for one in rows]
+        by = [monitor.robots(row.id) if row.active else () for row in rows]
         return self.word([(one.id, one.active, robots) for one, robots in zip(rows, by)], now)
 
     def word(self, guarantees: Iterable[tuple[str, bool, Iterable[str]]], now: float) -> Tree:
@@ -199,7 +199,7 @@ class Peers:
         _, found = min(candidates)
         if not found.word.unfit and found.receipt is not None:  # these stand behind it
             one: Any = found.receipt.message
-            behind = {_monitor(one.robot, one.model_id), *_of(one, source.guarantee)[0].rests_on}
+            behind = {f"{one.robot}/{one.model_id}", *_of(one, source.guarantee)[0].rests_on}
             self._behind[one.robot] = self._behind.get(one.robot, frozenset()) | behind
         return found
 
@@ -217,7 +217,7 @@ class Peers:
         if len(told) != 1:
             times = "twice" if told else "not"
             return f"{robot} has the guarantee {source.guarantee} {times} in its word"
-        if _monitor(*self.name[:2]) in told[0].rests_on:
+        if "/".join(self.name[:2]) in told[0].rests_on:
             return f"the word of {robot} rests on this monitor itself"
         if len(told[0].rests_on) > _MOST:
             return f"the word of {robot} rests on more than {_MOST} monitors"
@@ -231,10 +231,6 @@ class Peers:
 
 
 _HEARD = ("robot", "model_id", "session", "sequence")
-
-
-def _monitor(robot: str, model: str) -> str:
-    return f"{robot}/{model}"
 
 
 def _of(message: Any, guarantee: str) -> list[Any]:

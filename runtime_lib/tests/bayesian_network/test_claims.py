@@ -148,16 +148,6 @@ def test_a_node_need_be_no_output():
     assert one.series(output)["Low"] is True
 
 
-def test_a_method_whose_source_shows_nothing_may_speak_later():
-    class Hidden(Made):
-        def node_Human(self):  # noqa: N802 - the name of the node stays
-            return False, dict(self.said or {"yes": 0.0, "no": 0.0})
-
-    one = risk(direct={"Near": "near"}, hooks=Hidden())
-    assert step(one, near="no").high == pytest.approx(0.2)
-    assert one.facts().unknown_inputs == ("Human",)
-
-
 def test_too_many_combinations_are_not_tried():
     names = [f"n{k}" for k in range(11)]
     nodes = [node(name, "y n", (), [0.5, 0.5]) for name in names]

@@ -134,13 +134,6 @@ def test_what_is_beyond_the_range_is_told_in_the_unit_in_which_it_was_given():
     assert monitor.faults() == {"x": "12345.68, times 100: 1234568.0 is outside RANGE 0 .. 1234567"}
 
 
-def test_a_factor_brings_a_value_to_the_unit_of_the_model():
-    monitor = made(("gt", "x", 5), inputs={"x": {"factor": [1, 1000]}})
-    assert verdicts(step(monitor, 0, x=5001)) == [True]
-    assert verdicts(step(monitor, 1, x=4999)) == [False]
-    assert verdicts(step(monitor, 2, x="x")) == [None]
-
-
 def test_ages_come_from_the_input():
     monitor = made(("gt", "x", 5), ("lt", ("age", "x"), 3), x={"timeout": 2 * SECOND})
     source = EDDIInputBase()

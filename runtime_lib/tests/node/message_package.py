@@ -6,7 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from eddi_runtime.node.topics import Converter, MessageClasses
+from eddi_runtime.node.topics import Converter
 
 HERE = Path(__file__).parents[3]
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
@@ -59,4 +59,4 @@ STD_MSGS = package(
 
 def converter(module: SimpleNamespace = EDDI_MESSAGES, stamp: Any = lambda: 7.0) -> Converter:
     """Return what makes messages of a package."""
-    return Converter(MessageClasses(module, lambda cls: cls.FIELDS, lambda one: one.TYPE, stamp))
+    return Converter(module, lambda cls: cls.FIELDS, lambda message: message.TYPE, stamp)

@@ -40,7 +40,7 @@ class ToyNode(Node):
     """
 
     def __init__(self, robot, eddi_monitor, eddi_input):
-        super().__init__(eddi_monitor, eddi_input, converter(self.MESSAGES))
+        super().__init__(eddi_monitor, eddi_input, converter(self.MESSAGES), None)
         self.robot = robot
         self.busy, self.error = 0.0, ""
         self.steps, self.levels = [], []
@@ -85,7 +85,7 @@ class ToyNode(Node):
         self._schedule.stepped(started, self.robot.now)
 
     def report(self, *, periodic=True):
-        return self.status(periodic).report
+        return self.status(periodic)
 
     def values(self):
         return dict(self.report(periodic=False).values)

@@ -34,13 +34,6 @@ def test_setup_runs_once_when_the_inputs_have_their_defaults(robot, eddi_input):
     assert seen == [False]
 
 
-def test_what_setup_raises_starts_no_monitor(robot, eddi_input):
-    cls = type("EDDIInput", (eddi_input,), {"setup": raising})
-    with pytest.raises(ValueError, match="mine"):
-        robot.start("consertb", cls)
-    assert robot.told == []
-
-
 def test_processed_sees_all_inputs_and_may_change_one(robot, eddi_input):
     seen = []
 
@@ -107,11 +100,3 @@ def test_started_runs_before_the_first_step(robot):
     begun(robot, lambda self: told.append((len(robot.told), self.eddi_input.RtE_A_E0)))
     assert told == [(0, False)]
     assert [topic for _, topic, _ in robot.told].count(B) == 1
-
-
-def test_what_started_raises_is_said_and_ends_nothing(robot):
-    begun(robot, raising)
-    assert len(logged(robot, "mine")) == 1
-    robot.sense("/rte/e0b", 0.5)
-    robot.run(1.0)
-    assert robot.active(B)[-1] == (0.5, ACTIVE)

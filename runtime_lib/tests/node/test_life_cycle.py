@@ -68,7 +68,7 @@ class OnGraph(Node):
     FREQUENCY = 200.0
 
     def __init__(self, monitor, eddi_input, graph):
-        super().__init__(monitor, eddi_input, converter(self.MESSAGES))
+        super().__init__(monitor, eddi_input, converter(self.MESSAGES), None)
         self.graph_of_test = graph
 
     def advertise(self, channel):
@@ -165,19 +165,6 @@ def test_its_last_word_is_that_nothing_is_known(robot):
     time.sleep(0.05)
     assert len(robot.graph.said[GUARANTEES]) == said
     assert robot.graph.listeners == {}
-
-
-def test_activated_again_it_knows_nothing_of_before(robot):
-    robot.life.configure()
-    for activation in range(3):
-        robot.activate()
-        before = len(robot.graph.said.get(GUARANTEES, ()))
-        robot.until(lambda before=before: len(robot.graph.said.get(GUARANTEES, ())) > before + 3)
-        later = robot.graph.said[GUARANTEES][before:]
-        assert not any(one.active for message in later for one in message.guarantees)
-        assert len(robot.inputs) == activation + 1
-        robot.sense()
-        robot.deactivate()
 
 
 def test_a_step_that_hangs_leaves_no_guarantee_behind(robot, monkeypatch):

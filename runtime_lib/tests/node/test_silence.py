@@ -4,7 +4,7 @@ import difflib
 import time
 
 import pytest
-from eddi_runtime.node.publications import fault
+from eddi_runtime.node.report import fault
 from eddi_runtime.node.topics import Input, Receipts, Silence, Topic
 
 BOOL, TEXT = "std_msgs/Bool", "std_msgs/String"

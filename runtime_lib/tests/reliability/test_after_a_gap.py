@@ -16,7 +16,6 @@ from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY  # noqa: E
 
 ARCS = [[0, 1, 1e-3], [1, 2, 0.5]]
 NAMED = chain(ARCS, 3, [2], observe=[[0, "ok", False], [1, "ok", True], [2, "ok", True]])
-FLYING = chain(ARCS, 3, [2], observe=[[2, "flying", False], [0, "flying", True]])
 GO = {"id": "go", "activate": 0.5, "release": 0.5, "hold": 0.0}
 
 
@@ -33,16 +32,6 @@ def test_a_state_that_is_seen_ends_a_gap(rule):
     assert (after.valid, after.evidence) == (True, {"go": True})
     for name in ("p_fail_low", "p_fail_high", "reliability", "mttf"):
         assert getattr(after, name) == pytest.approx(getattr(before, name), rel=1e-13)
-
-
-def test_what_is_seen_to_exclude_failure_leaves_what_is_not_seen_as_it_was():
-    """A chain with a state that nothing tells of does not lose its past with one message."""
-    states = [True] * 20
-    *_, before = told([FLYING], "flying", states)
-    states[10] = None
-    *_, after = told([FLYING], "flying", states)
-    assert after.valid
-    assert after.p_fail == pytest.approx(before.p_fail, rel=1e-12)
 
 
 def test_a_large_chain_is_bounded_by_every_state_until_it_is_known():

@@ -29,26 +29,6 @@ def drone():
     return monitor(parts, [*WORKING, "t", "u", "lost"], thresholds=GO)
 
 
-def test_all_is_known():
-    one = drone()
-    given = {**WORKING, "t": 50.0, "u": 0.5, "lost": False}
-    result = step(one, **given)
-    found = one.explain()
-    assert found.result == result
-    assert (found.known, found.unknown, found.faults, found.ignored) == (given, {}, {}, {})
-    assert [name for name, _ in found.contributions] == ["rotors", "cpu"]
-    assert [one.event for one in found.importances] == ["model", "model", "link"]
-    assert found.text() == (
-        "p_fail 0.00619 within 1 h, valid\n"
-        "  go is active\n"
-        "  model rotors: p_fail 0.00399\n"
-        "  model cpu: p_fail 0.00121\n"
-        "  event model: p 0.00399, decides 0.643 of p_fail\n"
-        "  event model: p 0.00121, decides 0.194 of p_fail\n"
-        "  event link: p 0.001, decides 0.161 of p_fail"
-    )
-
-
 def test_what_is_lost_ignored_or_beyond_its_range_is_said():
     one = drone()
     step(one, **{**WORKING, "t": 50.0, "u": 0.5, "lost": True})

@@ -210,17 +210,6 @@ def test_another_horizon_is_as_good_as_another_monitor():
             assert mine.contributions == pytest.approx(expected.contributions, rel=1e-12)
 
 
-def test_rotors_that_start_with_a_failed_motor_contradict_nothing():
-    names = [f"m{i}" for i in range(6)]
-    hexa = {**quad(1e-3), "configuration": "PNPNPN", "rates": [1e-3] * 6}
-    one = monitor([{**hexa, "inputs": [[name, None] for name in names]}], names)
-    given = dict.fromkeys(names, True)
-    lost = step(one, **{**given, "m0": False, "m2": None})
-    assert (lost.unknown, lost.reason) == (("m2",), "unknown inputs")
-    bounds = [step(one, 0.1 + m2, **{**given, "m0": False, "m2": m2}) for m2 in (True, False)]
-    assert (lost.p_fail_low, lost.p_fail_high) == tuple(known.p_fail for known in bounds)
-
-
 def test_statuses_may_come_as_a_list():
     model = quad(0.01, inputs=[["status", i] for i in range(4)])
     one = monitor([model], ["status"])

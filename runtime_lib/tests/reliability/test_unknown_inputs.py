@@ -121,11 +121,16 @@ def test_what_is_above_its_limit_is_unknown_and_as_bad_as_it_says(part, good, na
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
-    [(0.8, None), (80.0, "a number from 0 to 1 is expected, not 80.0"), (1e308, "not 1e+308")],
+    ("factor", "value", "fault"),
+    [
+        ([100, 1], 0.8, None),
+        ([1, 10], 800.0, None),  # beyond the range of the model, in the unit of the robot
+        ([100, 1], 80.0, "a number from 0 to 1 is expected, not 80.0"),
+        ([100, 1], 1e308, "not 1e+308"),
+    ],
 )
-def test_a_value_that_is_given_in_another_unit_is_told_in_that(given, told):
-    one = monitor([BATTERY], ["level", "t"], factors={"level": [100, 1]}, **MORE)
-    seen = step(one, level=given, t=25.0)
-    assert seen.valid is (told is None)
-    assert told is None or told in one.faults()["level"]
+def test_a_value_that_is_given_in_another_unit_is_judged_in_that(factor, value, fault):
+    one = monitor([BATTERY], ["level", "t"], factors={"level": factor}, **MORE)
+    result = step(one, level=value, t=25.0)
+    assert result.valid is (fault is None)
+    assert fault is None or fault in one.faults()["level"]

@@ -63,7 +63,7 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         self._plan = (
             [threshold.at_least for threshold in self.thresholds],
             [threshold.limits.hold_ns for threshold in self.thresholds],
-            [one.step for one in self._judges],
+            [judge.step for judge in self._judges],
         )
         super().__init__(hooks)
         self._timed |= any(threshold.limits.hold_ns for threshold in self.thresholds)

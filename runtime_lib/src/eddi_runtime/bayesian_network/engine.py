@@ -130,7 +130,9 @@ class Engine:
                     row = _weighted(row, slot, states, weights)
                 total = sum(row)
                 if total < _TINY:
-                    if least + _exponent(positions, weights) <= _LEAST_EXPONENT:
+                    likelihoods = [weights[k] for k in positions.intersection(weights)]
+                    smallest = [min(p for p in weight if p > 0.0) for weight in likelihoods]
+                    if least + sum(map(math.log2, smallest)) <= _LEAST_EXPONENT:
                         rare = running.scaled(states, weights)[number]
                         row = _weighted(rare, slot, states, weights)
                         total = sum(row)
@@ -165,8 +167,3 @@ def _weighted(
     if state == slot.card:
         return row
     return [one if k == state else 0.0 for k, one in enumerate(row)]
-
-
-def _exponent(positions: frozenset[int], weights: Weights) -> float:
-    given = (weights[position] for position in positions.intersection(weights))
-    return sum(math.log2(min(one for one in weight if one > 0.0)) for weight in given)

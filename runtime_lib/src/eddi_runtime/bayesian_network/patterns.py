@@ -15,7 +15,7 @@ from .engine import Posteriors, States, Weights
 from .schedule import Schedule, Steps
 
 if TYPE_CHECKING:
-    from .arrays import Numbers
+    pass
 
 _REMEMBERED = 256  # patterns that are known at most
 _GEMV = 9_000
@@ -25,6 +25,8 @@ Pattern = Tuple[Tuple[bool, ...], Tuple[int, ...]]
 """Which inputs are not observed, and the positions of those that have likelihoods."""
 Step = Callable[[States, Weights], Posteriors]
 Cards = Mapping[int, Tuple[int, int]]
+"""Observable node -> its position, and the number of its states."""
+Nodes = Collection[int]
 
 
 class Adapted(NamedTuple):
@@ -47,15 +49,16 @@ class Patterns:
     def __init__(self, made: Adapted, cards: Cards, wanted: Sequence[int]) -> None:
         from .arrays import Numbers  # noqa: PLC0415 - numpy takes 0.1 s and 25 MB
 
-        self._made, self._cards, self._wanted = made, cards, wanted
+        self.made, self.cards, self._wanted = made, cards, wanted
         self._any = made.schedule.running(cards, wanted)
         self.scaled = self._any.scaled
-        self._numbers = Numbers(made.schedule.nodes, made.messages)
+        self.numbers = Numbers(made.schedule.nodes, made.messages)
         self._own = itemgetter(*[cards[node][0] for node in made.inputs])
         self._missing = [cards[node][1] for node in made.inputs]
         self._met: set[Pattern] = set()
         self._steps: dict[Pattern, Step] = {}
-        self._shared: dict[tuple[int, ...], Any] = {}
+        # numbers that do not change, of all patterns; what is new is added
+        self.shared: dict[tuple[int, ...], Any] = {}
 
     def hard(self, states: States) -> Posteriors:
         return self.soft(states, {})
@@ -75,7 +78,7 @@ class Patterns:
 
     def _step(self, pattern: Pattern) -> Step:
         missing, weighted = pattern
-        made, nodes = self._made, self._made.schedule.nodes
+        made, nodes = self.made, self.made.schedule.nodes
         observed = {node for node, absent in zip(made.inputs, missing) if not absent}
         sizes = {
             node: 1 if node in observed else len(rows[0]) for node, (_, rows) in nodes.items()
@@ -86,46 +89,32 @@ class Patterns:
             work += math.prod(sizes[node] for node in {*parts[0], *parts[1]})
         if work > made.limit:
             return self._any.soft
-        absent = {node for node in made.inputs if self._cards[node][0] not in weighted} - observed
-        return _Arrays(
-            self._numbers, made.steps, self._cards, sizes, observed, absent, self._shared
-        ).step(self._wanted)
+        absent = {node for node in made.inputs if self.cards[node][0] not in weighted} - observed
+        return _Arrays(self, sizes, observed, absent).step(self._wanted)
 
 
 class _Arrays:
     """The arrays of a pattern.
 
-    Args:
-        numbers: what is known of the messages.
-        steps: the operations.
-        cards: observable node -> its position, and the number of its states.
-        sizes: of the axis of each node.
-        observed: nodes that have no axis: their states select numbers.
-        absent: nodes of which nothing is known.
-        shared: numbers that do not change, of all patterns; what is new is added.
+    ``sizes``: of the axis of each node; ``observed``: nodes that have none, as their states select
+    numbers; ``absent``: nodes of which nothing is known.
     """
 
     def __init__(
-        self,
-        numbers: Numbers,
-        steps: Steps,
-        cards: Cards,
-        sizes: Mapping[int, int],
-        observed: Collection[int],
-        absent: Collection[int],
-        shared: dict[tuple[int, ...], Any],
+        self, of: Patterns, sizes: Mapping[int, int], observed: Nodes, absent: Nodes
     ) -> None:
         import numpy as np  # noqa: PLC0415 - as above
 
-        self._numbers, self._steps, self._cards, self._sizes = numbers, steps, cards, sizes
-        self._observed, self._absent, self._shared, self._numpy = observed, absent, shared, np
+        self._numbers, self._steps, self._cards = of.numbers, of.made.steps, of.cards
+        self._sizes, self._observed, self._absent = sizes, observed, absent
+        self._shared, self._numpy = of.shared, np
         self._slots: dict[int, Any] = {}
         self._home: dict[int, int] = {}  # slot -> the one whose memory it is
         self._changing: set[int] = set()  # of these, those that are written in each step
         self._chosen: dict[int, tuple[int, Any]] = {}  # axes of cases before it, what chooses
         self._vectors: list[tuple[int, int, Any]] = []
         self._operations: list[tuple[Any, int, int, int]] = []
-        for _, name, one, other, out in steps.operations:
+        for _, name, one, other, out in self._steps.operations:
             self._operation(name, one, other, out)
 
     def step(self, wanted: Sequence[int]) -> Step:

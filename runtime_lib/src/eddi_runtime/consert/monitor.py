@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Sequence, overload
 
-from ..inputs import InputState, accepted, look_again, states_of
+from ..inputs import accepted, look_again, states_of
 from ..monitor import Monitor, Standing, Tree, row_trees
 from ..plain_values import ABSENT, exactly, plain, read
 from .verdicts import (
@@ -46,10 +46,9 @@ class ConSert(Monitor[Rows]):
 
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
         self.filter = leaf_filter  # of the truth values of the inputs
-        self.guarantee_ids = tuple(one.id for one in self.guarantees)
+        self.guarantee_ids = tuple(guarantee.id for guarantee in self.guarantees)
         self.published_ids = tuple(one.published or one.id for one in self.guarantees)
         self._input_ids = tuple(spec.id for spec in self.inputs)
-        self._places = {name: k for k, name in enumerate(self._input_ids)}
         self._named = dict(zip(self.published_ids, self.guarantees))
         self._named.update(zip(self.guarantee_ids, self.guarantees))
         self.reset()
@@ -152,8 +151,19 @@ class ConSert(Monitor[Rows]):
 
     def reasons(self) -> dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
-        values, states = zip(self._input_ids, self._leaf_values()), states_of(self.source)
-        return {name: self._reason(name, states) for name, value in values if value != TRUE}
+        reasons, states = {}, states_of(self.source)
+        rows = zip(self._input_ids, self.leaves, self.raw, self._leaf_values())
+        for k, (name, leaf, raw, filtered) in enumerate(rows):
+            if filtered == TRUE:
+                continue
+            value, why = leaf.judge(raw)
+            state = states.get(name) if why == MISSING else None
+            reasons[name] = Reason(why, leaf.describe(raw, why))
+            if value == TRUE and self.filter is not None:
+                reasons[name] = Reason("debouncing", self.filter.waiting(k))
+            elif state is not None and state.state != "ok":
+                reasons[name] = Reason(state.state, state.reason)
+        return reasons
 
     def standings(self) -> tuple[Standing, ...]:
         sets, reasons = self._sets(), self.reasons()
@@ -249,13 +259,3 @@ class ConSert(Monitor[Rows]):
         if self.graph is None:
             return Sets(self._input_ids, leaf_values)
         return self.graph.sets(leaf_values)
-
-    def _reason(self, name: str, states: Mapping[str, InputState]) -> Reason:
-        k = self._places[name]
-        value, why = self.leaves[k].judge(self.raw[k])
-        if value == TRUE and self.filter is not None:
-            return Reason("debouncing", self.filter.waiting(k))
-        state = states.get(name) if why == MISSING else None
-        if state is not None and state.state != "ok":
-            return Reason(state.state, state.reason)
-        return Reason(why, self.leaves[k].describe(self.raw[k], why))

@@ -68,10 +68,15 @@ class Expression(Conditions):
         if message is None:
             return None
         try:
-            value = read_path(message, path)
+            value: Any = read_path(message, path)
             for check in checks:
                 if check[0] != "given":
-                    if not _is_measurement(message, value, check):
+                    if check[0] == "unless":
+                        measured = follow(message, check[1]) != check[2]
+                    else:
+                        low, high = (follow(message, one) for one in check[1:])
+                        measured = math.isinf(value) or low <= value <= high
+                    if not measured:
                         field = ".".join(str(step) for step in check[1])
                         raise LookupError(f"no measurement, by {field} of {word}")  # noqa: TRY301
                 elif isinstance(value, list):  # of a list each that the monitor knows
@@ -116,13 +121,6 @@ def read_path(message: object, path: Path) -> object:
     value = follow(message, path)
     to_sec = getattr(value, "to_sec", None)
     return value if to_sec is None else to_sec()
-
-
-def _is_measurement(message: object, value: Any, check: Check) -> bool:
-    if check[0] == "unless":
-        return bool(follow(message, check[1]) != check[2])
-    low, high = (follow(message, path) for path in check[1:])
-    return bool(math.isinf(value) or low <= value <= high)
 
 
 def gather(message: object, path: Sequence[Step]) -> list[object]:

@@ -90,10 +90,10 @@ class Health:
         changed = self._changes.note(output) or kinds != self._kinds
         if changed or now - self._asked_at >= _REFRESH_S:
             self._kinds, self._asked_at = kinds, now
-            pairs, one = zip(self._inputs, kinds), self._monitor
+            pairs, core = zip(self._inputs, kinds), self._monitor
             unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
-            facts = tuple(one.standings()), tuple(one.accepted()), dict(one.blocked(unknown))
-            self._known = MonitorFact(*facts, tuple(one.doubts()))
+            facts = tuple(core.standings()), tuple(core.accepted()), dict(core.blocked(unknown))
+            self._known = MonitorFact(*facts, tuple(core.doubts()))
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
         self._level = level_of(kinds, error, self._known.accepted + self._known.doubts)
@@ -174,26 +174,18 @@ class Health:
         return report(identity, facts, known, node)
 
 
-class Status(NamedTuple):
-    """The report of one monitor, and of what it is."""
-
-    report: Report  # the text and the values
-    name: str  # of the status (``<node>: <model id>``)
-    node: str  # full name
-
-
-def diagnostics_tree(statuses: Sequence[Status], level: Callable[[int], object] = int) -> Tree:
+def diagnostics_tree(statuses: Sequence[Report], level: Callable[[int], object] = int) -> Tree:
     """Return statuses as a ``DiagnosticArray``, with levels as the transport writes a byte."""
     rows: list[Any] = []
-    for (worst, message, pairs), name, node in statuses:
+    for worst, message, pairs, name, node in statuses:
         values = [("KeyValue", {"key": key, "value": value}) for key, value in pairs]
         fields = {"level": level(worst), "name": name, "message": message, "values": values}
         rows.append(("DiagnosticStatus", {**fields, "hardware_id": node}))
     return "DiagnosticArray", {"status": rows}
 
 
-Collect = Callable[[bool], Status]
-"""Returns the status of one monitor; ``True`` as argument for the periodic one."""
+Collect = Callable[[bool], Report]
+"""Returns the report of one monitor; ``True`` as argument for the periodic one."""
 
 
 class Diagnostics:
@@ -202,7 +194,7 @@ class Diagnostics:
     Once a second all monitors of the process, and at once those with a new level.
     """
 
-    def __init__(self, publish: Callable[[list[Status]], None]) -> None:
+    def __init__(self, publish: Callable[[list[Report]], None]) -> None:
         self._publish = publish
         self._sources: list[Collect] = []
         self._changed: deque[Collect] = deque()

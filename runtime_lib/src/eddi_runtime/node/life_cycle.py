@@ -21,10 +21,8 @@ class LifeCycle:
     Transitions are those of the transport's thread, one at a time; steps are in the thread of
     ``run``.
 
-    Args:
-        place: the process on a transport: ``until`` an end, ``start`` to receive,
-            ``stop_listening``, ``stop_publishing``.
-        make: returns a node that knows nothing, with the method ``run`` of a transport.
+    ``place``: the process on a transport: ``until`` an end, ``start`` to receive,
+    ``stop_listening``, ``stop_publishing``; ``make``: returns a node that knows nothing.
     """
 
     def __init__(self, place: Any, make: Callable[[], Any]) -> None:

@@ -9,15 +9,15 @@ from __future__ import annotations
 import time
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, ClassVar, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, List, Mapping, Optional, Sequence
 
 from ..inputs import EDDIInputBase
-from ..monitor import Monitor, Steps, __version__
+from ..monitor import ModelError, Monitor, Steps, __version__
 from ..plain_values import one_line
-from .health import Diagnostics, Health, Status
+from .health import Diagnostics, Health
 from .pasted import PASTED, understood
-from .report import GraphFact
-from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, Waker
+from .report import GraphFact, Report
+from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, StartError, Waker
 from .topics import (
     Converter,
     Input,
@@ -35,9 +35,17 @@ from .topics import (
 if TYPE_CHECKING:  # travels where a monitor is one of a fleet
     from ..peers import Fleet
 
+
 __all__ = ["Node"]
 
 
+Options = Optional[Settings]
+NewInput = Callable[[], EDDIInputBase]
+NewMonitor = Callable[[], Steps]
+Statuses = Callable[[List[Report]], None]
+"""Publishes reports."""
+REFUSALS = (StartError, ModelError, MessageError)
+"""Why a node must not start."""
 _NOTHING = object()
 """An input of which nothing is known: every evidence is UNKNOWN."""
 
@@ -59,11 +67,7 @@ class Node:
     FLEET: ClassVar[Fleet | None] = None  # the robots among which this one is
 
     def __init__(
-        self,
-        monitor: Steps,
-        eddi_input: EDDIInputBase,
-        converter: Converter,
-        options: Settings | None = None,
+        self, monitor: Steps, eddi_input: EDDIInputBase, converter: Converter, options: Options
     ) -> None:
         given: Any = monitor
         self._core: Monitor[Any] = getattr(given, "monitor", given)
@@ -144,11 +148,13 @@ class Node:
         return self._converter.messages(self._core.message(eddi_output))
 
     def init_publisher(self) -> None:
+        """Advertise every output topic."""
         self._publications = Publications(self.OUTPUTS, self.advertise)
         if self.FLEET is not None:
             self._tell = self.advertise(Output("", self.FLEET.topic, self.FLEET.type))
 
     def init_subscriber(self) -> None:
+        """Subscribe to every input topic."""
         for source in self._sources:
             self.subscribe(source)
 
@@ -167,10 +173,7 @@ class Node:
             )
 
     def run_on(
-        self,
-        name: str,
-        publisher: Callable[[], Callable[[list[Status]], None]],
-        begun: Callable[[], None],
+        self, name: str, publisher: Callable[[], Statuses], begun: Callable[[], None]
     ) -> None:
         """Be the one monitor of a process, until that ends."""
         diagnostics = Diagnostics(publisher()) if self.options.diagnostics else None
@@ -186,6 +189,7 @@ class Node:
         self._level_changed()
 
     def ros_main(self) -> None:
+        """Run steps until the node ends."""
         self._schedule.start(time.monotonic())
         while not self.ending.begun:
             self._waker.wait(self._schedule.wait_s(time.monotonic()))
@@ -271,11 +275,11 @@ class Node:
             self._health.log_error("output", one_line(caught), traceback.format_exc())
         return output
 
-    def status(self, periodic: bool, title: str = "", name: str = "") -> Status:
-        """Return the present status; called by the thread of the diagnostics."""
+    def status(self, periodic: bool, title: str = "", name: str = "") -> Report:
+        """Return the present report; called by the thread of the diagnostics."""
         topics = self.topics() if self.FLEET is None else self.FLEET.described(self.topics())
         facts = self._receipts.latest(), self._schedule.overruns, self.graph(), topics
-        return Status(self._health.collect(*facts, periodic=periodic), title, name)
+        return self._health.collect(*facts, periodic=periodic)._replace(name=title, node=name)
 
     def log_start(self) -> None:
         core, folder = self._core, Path(__file__).resolve().parents[1]

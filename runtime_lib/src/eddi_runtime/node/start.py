@@ -20,10 +20,7 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
 from ..monitor import ModelError
 
-__all__ = [
-    "FREQUENCIES", "STARTUP_GRACE_S", "Settings", "StartError", "end_at_signals", "installed",
-    "reported", "settings", "write_to_stderr",
-]  # fmt: skip
+__all__ = ["FREQUENCIES", "LOG", "Settings", "StartError", "installed", "reported", "settings"]
 
 _ADVICE = "run `eddi-scaffold upgrade` or `copier recopy --trust --force` in the package"
 

@@ -10,9 +10,10 @@ import math
 import threading
 import time
 from collections import deque
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 from types import ModuleType
-from typing import Any, Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence, Tuple
 
 from ..monitor import Tree, Trees
 from ..plain_values import Step, follow, plain
@@ -35,6 +36,26 @@ class Input(NamedTuple):
     # what of the quality of service is otherwise than usual, where the transport has one
     qos: Mapping[str, str | float] = {}
     wakes: bool = True  # a message starts a step at once where the node steps on change
+
+    def waiting(self, usual: int) -> int:
+        """Return how many messages may wait for a step: all where none is skipped."""
+        return MAX_QUEUED if self.every_message else usual
+
+
+def reading_qos(requested: Mapping[str, Any], depth: int) -> dict[str, Any]:
+    """Return how evidence is read: as sensor data, so that every publisher fits.
+
+    What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
+    """
+    kept = requested.get("durability") == "transient_local"
+    reliability = "reliable" if kept else "best_effort"
+    return {"reliability": reliability, "durability": "volatile", "depth": depth, **requested}
+
+
+def writing_qos(requested: Mapping[str, Any], depth: int) -> dict[str, Any]:
+    """Return how results are written: none is lost, and who comes late gets the last one."""
+    usual = {"reliability": "reliable", "durability": "transient_local", "depth": depth}
+    return {**usual, **requested}
 
 
 class Receipt(NamedTuple):
@@ -137,30 +158,26 @@ class Silence:
         if self._published != (names := frozenset(published)):
             self._published, self._absent = names, {}  # the nearest names are searched anew
         wrong_types, reasons = {}, {}
-        for topic in topics:
-            if topic.types and topic.expected not in topic.types:
-                sent = min(topic.types)
-                wrong_types[topic.name] = f"{topic.expected} expected, the publisher sends {sent}"
+        for name, expected, types, age, fault in topics:
+            if types and expected not in types:
+                wrong_types[name] = f"{expected} expected, the publisher sends {min(types)}"
+            elif types:
+                reasons[name] = fault
+            elif age is not None or name in self._were_published:
+                reasons[name] = "its publisher is gone"
+            elif time.monotonic() < self._settled_at:
+                reasons[name] = ""
             else:
-                reasons[topic.name] = self._reason(topic)
-            if topic.types:
-                self._were_published.add(topic.name)
+                if name not in self._absent:
+                    import difflib  # noqa: PLC0415 - only for what should not happen
+
+                    similar = difflib.get_close_matches(name, sorted(self._published), 1)
+                    nearest = f", the nearest name is {similar[0]}" if similar else ""
+                    self._absent[name] = f"nobody publishes it{nearest}"
+                reasons[name] = self._absent[name]
+            if types:
+                self._were_published.add(name)
         return GraphFact(wrong_types=wrong_types, reasons=reasons)
-
-    def _reason(self, topic: Topic) -> str:
-        if topic.types:
-            return topic.fault
-        if topic.age is not None or topic.name in self._were_published:
-            return "its publisher is gone"
-        if time.monotonic() < self._settled_at:
-            return ""
-        if topic.name not in self._absent:
-            import difflib  # noqa: PLC0415 - only for what should not happen
-
-            near = difflib.get_close_matches(topic.name, sorted(self._published), 1)
-            nearest = f", the nearest name is {near[0]}" if near else ""
-            self._absent[topic.name] = f"nobody publishes it{nearest}"
-        return self._absent[topic.name]
 
 
 _WHOLE: Mapping[str, tuple[int, int]] = {
@@ -171,14 +188,8 @@ _FLOATS = {"float32": 3.4028235e38, "float64": math.inf}
 _EXACT = {"bool": bool, "string": str}
 
 
-class MessageClasses(NamedTuple):
-    """The message classes of one package, as a transport knows them."""
-
-    module: ModuleType  # holds the classes by name (``eddi_messages.msg``)
-    # class -> its fields, each with its type as a ``.msg`` file spells it
-    fields: Callable[[Any], Iterable[tuple[str, str]]]
-    type_name: Callable[[Any], str]  # message or class -> ``package/Name``
-    stamp: Callable[[], object]  # returns the present time for a header
+Fields = Callable[[Any], Iterable[Tuple[str, str]]]
+TypeName = Callable[[Any], str]
 
 
 class MessageError(TypeError):
@@ -186,10 +197,19 @@ class MessageError(TypeError):
 
 
 class Converter:
-    """Turns ``("Name", {field: value})`` into messages of one message package."""
+    """Turns ``("Name", {field: value})`` into messages of one message package.
 
-    def __init__(self, classes: MessageClasses) -> None:
-        self.classes = classes
+    Args:
+        module: holds the classes by name (``eddi_messages.msg``).
+        fields: class -> its fields, each with its type as a ``.msg`` file spells it.
+        type_name: message or class -> ``package/Name``.
+        stamp: returns the present time for a header.
+    """
+
+    def __init__(
+        self, module: ModuleType, fields: Fields, type_name: TypeName, stamp: Callable[[], object]
+    ) -> None:
+        self._module, self._fields, self.type_name, self._stamp = module, fields, type_name, stamp
         self._plans: dict[str, tuple[Any, dict[str, str], bool]] = {}
 
     def message(self, tree: Tree) -> Any:
@@ -214,7 +234,7 @@ class Converter:
             exact = type(given) is _EXACT.get(kind)  # as nearly all are
             setattr(built, field, given if exact else self._value(name, field, kind, given))
         if has_header:
-            built.header.stamp = self.classes.stamp()
+            built.header.stamp = self._stamp()
         return built
 
     def messages(self, trees: Trees) -> object:
@@ -232,10 +252,10 @@ class Converter:
 
     def _plan(self, name: str) -> tuple[Any, dict[str, str], bool]:
         """Return the class of a message, its fields without a header, and whether it has one."""
-        cls = getattr(self.classes.module, name, None)
+        cls = getattr(self._module, name, None)
         if cls is None:
-            raise MessageError(f"message {name} is not in {self.classes.module.__name__}")
-        kinds = dict(self.classes.fields(cls))
+            raise MessageError(f"message {name} is not in {self._module.__name__}")
+        kinds = dict(self._fields(cls))
         has_header = kinds.get("header") in ("Header", "std_msgs/Header")
         if has_header:
             del kinds["header"]
@@ -254,7 +274,7 @@ class Converter:
                 return found
         elif isinstance(value, tuple) and len(value) == 2:
             built = self.message(value)
-            if self.classes.type_name(built) == kind:
+            if self.type_name(built) == kind:
                 return built
         expected = "str" if kind == "string" else kind
         given = f"{type(value).__name__} {value!r}"
@@ -348,7 +368,7 @@ def check_outputs(
         for one in each(built):
             sent = picked(one, channel)
             if not isinstance(sent, channel.type):
-                types = map(converter.classes.type_name, (channel.type, sent))
+                types = map(converter.type_name, (channel.type, sent))
                 text = "{} carries {}, the monitor makes {}"
                 raise MessageError(text.format(channel.topic, *types))
 

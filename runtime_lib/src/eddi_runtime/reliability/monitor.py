@@ -65,12 +65,12 @@ class Reliability(Monitor[ReliabilityResult]):
         values: dict[str, Taken] = {}
         for raw, spec in zip(raws, self._sources):
             rule, factor = self.rules[spec.id], spec.factor
-            value, fault = take(rule, raw)
+            value, fault = take(rule if factor is None else rule.divided(*factor), raw)
             if factor is not None and isinstance(value, float):
-                given = value
-                value, fault = take(rule, given * factor[0] / factor[1])
-                if fault:  # told in the unit in which it came
-                    fault = take(rule.divided(*factor), given)[1] or fault
+                scaled = value * factor[0] / factor[1]
+                if math.isfinite(scaled):  # rounding must not lead out of the range
+                    scaled = min(max(scaled, rule.low), rule.high)
+                value, fault = take(rule, scaled)
             if fault:
                 self._faults[spec.id] = fault
             values[spec.id] = value
@@ -105,7 +105,13 @@ class Reliability(Monitor[ReliabilityResult]):
         beyond = self._limit_mission(values) if self.moving else ""
         self._taken = values
         quanta, reason = self._pass(now)
-        moment = self._moment(values, quanta)
+        size, horizon, index = self._quantum, self.horizon, 0
+        if self.moving:
+            remaining, index = values[MISSION_END], GRID
+            if isinstance(remaining, float):
+                index = min(GRID, max(0, math.ceil(remaining / 3600.0 / horizon * GRID - 1e-9)))
+            horizon = horizon * index / GRID
+        moment = _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
         known: dict[str, Estimate] = {}
         for name, step in self._steps:
             known[name] = step(values, moment, known)
@@ -164,15 +170,6 @@ class Reliability(Monitor[ReliabilityResult]):
         self._faults[MISSION_END] = shown
         return "mission_end is above mission_time"
 
-    def _moment(self, values: Mapping[str, Taken], quanta: int) -> Moment:
-        size, horizon, index = self._quantum, self.horizon, 0
-        if self.moving:
-            remaining, index = values[MISSION_END], GRID
-            if isinstance(remaining, float):
-                index = min(GRID, max(0, math.ceil(remaining / 3600.0 / horizon * GRID - 1e-9)))
-            horizon = horizon * index / GRID
-        return _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
-
     def doubts(self) -> tuple[str, ...]:
         one = self._result
         decides = [
@@ -219,7 +216,13 @@ class Reliability(Monitor[ReliabilityResult]):
         return {"valid": output.valid, **output.evidence}
 
     def message(self, output: object) -> Tree:
-        given = output if isinstance(output, ReliabilityResult) else self._refused()
+        given = output if isinstance(output, ReliabilityResult) else None
+        if given is None:  # the worst case
+            given = self._result._replace(
+                valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0,
+                mttf=NAN, evidence={judge.id: False for judge in self._evidence},
+                reason="the output is no result of this monitor",
+            )  # fmt: skip
         # what may hold although it is not active
         open_ = [one.id for one in self._evidence if one.possible and not one.active]
         pairs = given.evidence.items()
@@ -238,13 +241,6 @@ class Reliability(Monitor[ReliabilityResult]):
             "evidence": rows,
             "accepted": list(self.accepted()),
         }
-
-    def _refused(self) -> ReliabilityResult:
-        return self._result._replace(
-            valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0, mttf=NAN,
-            evidence={one.threshold.id: False for one in self._evidence},
-            reason="the output is no result of this monitor",
-        )  # fmt: skip
 
     def standings(self) -> list[Standing]:
         return [

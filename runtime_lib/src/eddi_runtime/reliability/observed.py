@@ -177,7 +177,7 @@ class MarkovChain(Component):
         parts: Iterable[AbstractSet[int]] = [set(), *({state} for state in consistent)]
         if len(unknown) <= _ALL_VALUES:
             values = product((False, True), repeat=len(unknown))
-            parts = {self._consistent({**given, **dict(zip(unknown, one))}) for one in values}
+            parts = {self._consistent({**given, **dict(zip(unknown, value))}) for value in values}
         few = self.chain.states <= _LARGEST
         seen = Seen(self.chain, consistent)
         seen.unknown = unknown

@@ -17,7 +17,10 @@ class KOutOfN(Component):
         units = values[self._name]
         if units is not None:
             p, r = self._failure(int(units), moment.horizon)
-            return Estimate(p, p, r, self._life(int(units)))
+            steps = range(self._k, int(units) + 1)
+            endless = self._rate == 0.0 and units >= self._k
+            life = math.inf if endless else math.fsum(1.0 / (i * self._rate) for i in steps)
+            return Estimate(p, p, r, life)
         best = 0.0 if self._largest is None else self._failure(self._largest, moment.horizon)[0]
         return Estimate(best, 1.0, 0.0, 0.0, (self._name,))
 
@@ -27,11 +30,6 @@ class KOutOfN(Component):
         q, w = -math.expm1(-self._rate * hours), math.exp(-self._rate * hours)
         terms = [_chance(n, i, q, w) for i in range(n + 1)]
         return min(1.0, math.fsum(terms[: self._k])), min(1.0, math.fsum(terms[self._k :]))
-
-    def _life(self, n: int) -> float:
-        if self._rate == 0.0 and n >= self._k:
-            return math.inf
-        return math.fsum(1.0 / (i * self._rate) for i in range(self._k, n + 1))
 
 
 def _chance(n: int, i: int, q: float, w: float) -> float:

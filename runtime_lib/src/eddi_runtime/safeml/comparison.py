@@ -320,16 +320,13 @@ class Window:
         self._tied += ties - self._ties[at]
         self._ties[at] = ties
         if self._needs_values:
-            self._keep(at, sample)
+            values, count = self._values, self._comparison.backend.count
+            if self.is_full:  # else the column is NaN, which equals nothing
+                self._equal -= count(values == values[:, at : at + 1]) - self._comparison.tests
+            values[:, at] = self._comparison.backend.array(sample)
+            self._equal += count(values == values[:, at : at + 1]) - self._comparison.tests
         self._at = at + 1 if at + 1 < m else 0
         self.filled = min(m, self.filled + 1)
-
-    def _keep(self, at: int, sample: Array) -> None:
-        values, count = self._values, self._comparison.backend.count
-        if self.is_full:  # else the column is NaN, which equals nothing
-            self._equal -= count(values == values[:, at : at + 1]) - self._comparison.tests
-        values[:, at] = self._comparison.backend.array(sample)
-        self._equal += count(values == values[:, at : at + 1]) - self._comparison.tests
 
     def statistics(self) -> Array:
         comparison = self._comparison

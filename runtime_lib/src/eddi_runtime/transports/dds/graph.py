@@ -31,8 +31,8 @@ from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from ...node.publications import reading_qos, writing_qos
 from ...node.start import LOG, StartError
+from ...node.topics import reading_qos, writing_qos
 from .messages import message_classes
 
 Receive = Callable[[Any, bool], None]
@@ -85,23 +85,21 @@ class Reader:
 
     def take(self) -> None:
         """Hand over all that has arrived; never raises: who waits no more receives no more."""
+        count = _BATCH
         try:
-            while self._take_some():
-                pass
+            while count == _BATCH:
+                samples = self.reader.take(_BATCH)
+                count = len(samples)
+                for sample in samples:
+                    writer = sample.sample_info.publication_handle
+                    if sample.sample_info.valid_data:  # else its writer or its data went
+                        self._receive(sample, writer not in self._greeted and self._keeps(writer))
+                        self._greeted.add(writer)
+                    else:
+                        self._greeted.discard(writer)
         except Exception as error:  # noqa: BLE001 - whatever a driver raises
             LOG.error("dds: %s: %s", type(error).__name__, error)
             time.sleep(0.1)
-
-    def _take_some(self) -> bool:
-        samples = self.reader.take(_BATCH)
-        for sample in samples:
-            writer = sample.sample_info.publication_handle
-            if sample.sample_info.valid_data:  # else its writer or its data went
-                self._receive(sample, writer not in self._greeted and self._keeps(writer))
-                self._greeted.add(writer)
-            else:
-                self._greeted.discard(writer)
-        return len(samples) == _BATCH
 
     def _keeps(self, writer: int) -> bool:
         """Return whether a writer keeps messages for who comes later, such as the first one."""

@@ -13,7 +13,7 @@ from typing import Any, Callable, Mapping
 
 from cyclonedds.idl import make_idl_struct, types
 
-from ...node.topics import Converter, MessageClasses
+from ...node.topics import Converter
 
 _PRIMITIVES: Mapping[str, tuple[Any, Callable[[], object]]] = {
     "bool": (bool, bool),
@@ -133,5 +133,4 @@ def converter(messages: SimpleNamespace, package: str = "eddi_messages") -> Conv
     begin = f"{package}_"
     own = {name[len(begin) :]: of for name, of in vars(messages).items() if name.startswith(begin)}
     module: Any = SimpleNamespace(__name__=f"{package}.msg", **own)
-    classes = MessageClasses(module, lambda cls: cls.FIELDS.items(), attrgetter("TYPE"), stamp)
-    return Converter(classes)
+    return Converter(module, lambda cls: cls.FIELDS.items(), attrgetter("TYPE"), stamp)

@@ -10,17 +10,15 @@ import re
 import signal
 import sys
 import time
-from typing import Any, Callable, Mapping, NamedTuple, Sequence, Union
+from typing import Any, Mapping, NamedTuple, Sequence, Union
 
-from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.health import Status, diagnostics_tree
-from ...node.node import Node
-from ...node.publications import fault
-from ...node.report import GraphFact
+from ...node.health import diagnostics_tree
+from ...node.node import REFUSALS, NewInput, NewMonitor, Node, Statuses
+from ...node.report import GraphFact, fault
 from ...node.start import LOG, Settings, StartError, end_at_signals, settings, write_to_stderr
-from ...node.topics import MAX_QUEUED, Input, MessageError, Output, Publish, Topic
+from ...node.topics import Input, Output, Publish, Topic
 from .graph import Graph, Publication, reading, writing
 from .messages import OWN, Unreadable, converter
 
@@ -119,14 +117,10 @@ class MonitorNode(Node):
     _graph: Graph  # that ``run`` joins
 
     def __init__(
-        self,
-        monitor: Steps,
-        eddi_input: EDDIInputBase,
-        options: Settings | None = None,
-        given: Arguments | None = None,
+        self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings, given: Arguments
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
-        self._given = given or arguments([], self.NAME)
+        self._given = given
         self._unreadable: dict[str, float] = {}
         self._clock: int | None = 0 if self._given.parameters.get("use_sim_time") is True else None
 
@@ -144,7 +138,7 @@ class MonitorNode(Node):
             else:
                 self._receipts.receive(source.id, message, _age(message) if kept else 0.0)
 
-        qos = reading(source.qos, MAX_QUEUED if source.every_message else _DEPTH)
+        qos = reading(source.qos, source.waiting(_DEPTH))
         self._graph.reader(self._given.topic(source.topic), source.type, receive, qos)
 
     def simulated_ns(self) -> int | None:
@@ -204,16 +198,14 @@ class MonitorNode(Node):
             self.ending.wait()
         return self.ending.status
 
-    def _statuses(self) -> Callable[[list[Status]], None]:
+    def _statuses(self) -> Statuses:
         cls = OWN.diagnostic_msgs_DiagnosticArray
         write = self._graph.writer("/diagnostics", cls, writing({}, 1))
         made = converter(OWN, "diagnostic_msgs")
         return lambda statuses: write(made.message(diagnostics_tree(statuses)))
 
     @classmethod
-    def main(
-        cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
-    ) -> int:
+    def main(cls, eddi_input_class: NewInput, eddi_monitor_class: NewMonitor) -> int:
         """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
         try:
@@ -226,7 +218,7 @@ class MonitorNode(Node):
             node = cls(eddi_monitor_class(), eddi_input_class(), options, given)
             node.prepare()
             return node.run()
-        except (StartError, ModelError, MessageError) as error:
+        except REFUSALS as error:
             write_to_stderr(cls.NAME, f"error: {error}")
             return 1
 

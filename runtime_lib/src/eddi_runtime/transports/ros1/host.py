@@ -11,19 +11,16 @@ import threading
 import traceback
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Callable, Iterator
+from typing import Any, Iterator
 
 import rosgraph.names
 import rospy
 import rospy.names
 
-from ... import ModelError
-from ...inputs import EDDIInputBase
-from ...monitor import Steps
-from ...node.health import Diagnostics, Status
+from ...node.health import Diagnostics
+from ...node.node import REFUSALS, NewInput, NewMonitor
 from ...node.report import ERROR, Report
 from ...node.start import LOG, StartError, Waker, end_at_signals
-from ...node.topics import MessageError
 from ...plain_values import one_line
 from .node import MonitorNode, diagnostics_publisher, start_log
 from .process import RosEnding, TypeRefusals, node_name, options_of, watch
@@ -43,7 +40,7 @@ class Host:
         """Go on without the monitor of a package if that cannot be started."""
         try:
             yield
-        except (StartError, ModelError, MessageError) as error:
+        except REFUSALS as error:
             self._fail(package, str(error))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - hand-written code may raise anything
             traceback.print_exc()
@@ -57,8 +54,8 @@ class Host:
     def add(
         self,
         node_class: type[MonitorNode],
-        eddi_input_class: Callable[[], EDDIInputBase],
-        eddi_monitor_class: Callable[[], Steps],
+        eddi_input_class: NewInput,
+        eddi_monitor_class: NewMonitor,
     ) -> None:
         """Make the node of a monitor, without ROS; StartError where it must not start."""
         name = _full_name(node_class.NAME)
@@ -84,11 +81,20 @@ class Host:
         start_log()
         LOG.named = True
         self._refusals.install()
-        watched = watch(options, self._ending, self._expected_types, self._report_now)
+
+        def report_now() -> None:
+            for node in self._nodes.values():
+                node.report_now()
+
+        watched = watch(options, self._ending, self._expected_types, report_now)
         diagnostics = Diagnostics(diagnostics_publisher())
         self._ending.on_end(diagnostics.stop)
         diagnostics.start()
-        self._take_every_message()
+        nodes: list[Any] = [*self._nodes.values()]
+        # the messages of a topic are queued for all monitors if one takes each
+        queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
+        for node in nodes:
+            node.INPUTS = [one._replace(every_message=one.topic in queued) for one in node.INPUTS]
         for own_name, node in self._nodes.items():
             threading.current_thread().name = own_name  # in the log
             with self.starting(own_name):
@@ -96,9 +102,8 @@ class Host:
                 node.begin(own_name, diagnostics)
                 threading.Thread(target=node.ros_main, name=own_name, daemon=True).start()
         for failed, reason in self._failed.items():
-            report = Report(ERROR, f"not started: {reason}", ())
-            status = Status(report, failed.lstrip("/"), failed)
-            diagnostics.add(partial(lambda known, _: known, status))
+            report = Report(ERROR, f"not started: {reason}", (), failed.lstrip("/"), failed)
+            diagnostics.add(partial(lambda known, _: known, report))
         if watched is not None:
             watched.start()
         while not self._ending.begun:
@@ -106,20 +111,9 @@ class Host:
         self._ending.wait()
         return self._ending.status
 
-    def _take_every_message(self) -> None:
-        """Queue the messages of a topic for all monitors if one takes each."""
-        nodes: list[Any] = [*self._nodes.values()]
-        queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
-        for node in nodes:
-            node.INPUTS = [one._replace(every_message=one.topic in queued) for one in node.INPUTS]
-
     def _expected_types(self) -> dict[str, tuple[str, str]]:
         nodes = self._nodes.values()
         return {topic: of for node in nodes for topic, of in node.expected_types().items()}
-
-    def _report_now(self) -> None:
-        for node in self._nodes.values():
-            node.report_now()
 
 
 def _full_name(name: str) -> str:

@@ -11,30 +11,19 @@ import time
 from io import BytesIO
 from operator import attrgetter
 from types import ModuleType
-from typing import Any, Callable, Mapping
+from typing import Any, Mapping
 
 import diagnostic_msgs.msg
 import rospy
 import rospy.impl.paramserver
 
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
-from ...monitor import ModelError, Steps
-from ...node.health import Status, diagnostics_tree
-from ...node.node import Node
+from ...monitor import Steps
+from ...node.health import diagnostics_tree
+from ...node.node import REFUSALS, NewInput, NewMonitor, Node, Options, Statuses
 from ...node.report import GraphFact
-from ...node.start import LOG, Settings, StartError, end_at_signals, write_to_stderr
-from ...node.topics import (
-    DEFAULT_BUFFER_BYTES,
-    MAX_QUEUED,
-    Converter,
-    Input,
-    MessageClasses,
-    MessageError,
-    Output,
-    Publish,
-    Receipts,
-    Topic,
-)
+from ...node.start import LOG, end_at_signals, write_to_stderr
+from ...node.topics import DEFAULT_BUFFER_BYTES, Converter, Input, Output, Publish, Receipts, Topic
 from .process import (
     LOST,
     RosEnding,
@@ -68,7 +57,7 @@ def ros_type(message: object) -> str:
 def converter(messages: ModuleType) -> Converter:
     """Return what makes messages of a package; rospy itself counts ``header.seq``."""
     fields = attrgetter("__slots__", "_slot_types")
-    return Converter(MessageClasses(messages, lambda cls: zip(*fields(cls)), ros_type, stamp))
+    return Converter(messages, lambda cls: zip(*fields(cls)), ros_type, stamp)
 
 
 class Callback:
@@ -102,7 +91,7 @@ def _stamped_age(message: object) -> float:
     return age if age >= 0.0 else UNKNOWN_AGE
 
 
-def diagnostics_publisher() -> Callable[[list[Status]], None]:
+def diagnostics_publisher() -> Statuses:
     """Return what publishes statuses on ``/diagnostics``."""
     messages: Any = diagnostic_msgs.msg
     publisher: Any = rospy.Publisher("/diagnostics", messages.DiagnosticArray, queue_size=5)
@@ -128,9 +117,7 @@ _REGISTERED = "its publisher is registered, and silent"  # a master does not kno
 class MonitorNode(Node):
     """Base class of the generated RosNode."""
 
-    def __init__(
-        self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings | None = None
-    ) -> None:
+    def __init__(self, monitor: Steps, eddi_input: EDDIInputBase, options: Options = None) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
         self._subscribers: dict[str, Any] = {}
         self.share(RosEnding(), TypeRefusals(), None)
@@ -146,7 +133,7 @@ class MonitorNode(Node):
             source.topic,
             source.type,
             Callback(source.id, self._receipts),
-            queue_size=MAX_QUEUED if source.every_message else 1,
+            queue_size=source.waiting(1),
             tcp_nodelay=True,
             **({"buff_size": source.buffer_bytes} if large else {}),
         )
@@ -209,9 +196,7 @@ class MonitorNode(Node):
         return self.ending.status
 
     @classmethod
-    def main(
-        cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
-    ) -> int:
+    def main(cls, eddi_input_class: NewInput, eddi_monitor_class: NewMonitor) -> int:
         """Run the node of a generated package and return its exit status.
 
         0 after a normal end, 1 when it must not start or lost its name, 3 when the ROS master was
@@ -225,7 +210,7 @@ class MonitorNode(Node):
             node = cls(eddi_monitor_class(), eddi_input_class(), options)
             node.prepare()
             rospy.init_node(cls.NAME)
-        except (StartError, ModelError, MessageError, rospy.ROSInitException) as error:
+        except (*REFUSALS, rospy.ROSInitException) as error:
             if rospy.is_shutdown():
                 return 0  # ended while it waited for the ROS master
             write_to_stderr(name, f"error: {error}")

@@ -15,24 +15,13 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.time import Time
 
-from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.health import Status, diagnostics_tree
-from ...node.node import Node
-from ...node.publications import fault, reading_qos, writing_qos
-from ...node.report import GraphFact
-from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
-from ...node.topics import (
-    MAX_QUEUED,
-    Converter,
-    Input,
-    MessageClasses,
-    MessageError,
-    Output,
-    Publish,
-    Topic,
-)
+from ...node.health import diagnostics_tree
+from ...node.node import REFUSALS, NewInput, NewMonitor, Node, Statuses
+from ...node.report import GraphFact, fault
+from ...node.start import Settings, end_at_signals, write_to_stderr
+from ...node.topics import Converter, Input, Output, Publish, Topic, reading_qos, writing_qos
 from .process import Process, deadline, declared_settings, keeps, profile, refused
 
 _SPELT = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "byte"}
@@ -65,7 +54,7 @@ def converter(messages: ModuleType, stamp: Callable[[], object]) -> Converter:
     def fields(cls: Any) -> Iterable[tuple[str, str]]:
         return ((name, msg_type(of)) for name, of in cls.get_fields_and_field_types().items())
 
-    return Converter(MessageClasses(messages, fields, ros_type, stamp))
+    return Converter(messages, fields, ros_type, stamp)
 
 
 class MonitorNode(Node):
@@ -91,8 +80,7 @@ class MonitorNode(Node):
         return self._process.publisher(channel.topic, channel.type, qos)
 
     def subscribe(self, source: Input) -> None:
-        depth = MAX_QUEUED if source.every_message else _DEPTH
-        qos = profile(reading_qos(source.qos, depth))
+        qos = profile(reading_qos(source.qos, source.waiting(_DEPTH)))
         kept = keeps(qos)
 
         def receive(message: Any, sent: int | None) -> None:
@@ -143,7 +131,7 @@ class MonitorNode(Node):
     def run(self, begun: Callable[[], None]) -> None:
         self.run_on(self._process.name, self.statuses, begun)
 
-    def statuses(self) -> Callable[[list[Status]], None]:
+    def statuses(self) -> Statuses:
         messages: Any = diagnostic_msgs.msg
         made, qos = converter(messages, self._process.stamp), profile(writing_qos({}, 1))
         publish = self._process.publisher("/diagnostics", messages.DiagnosticArray, qos)
@@ -159,9 +147,7 @@ class MonitorNode(Node):
         return node.ending.status
 
     @classmethod
-    def main(
-        cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
-    ) -> int:
+    def main(cls, eddi_input_class: NewInput, eddi_monitor_class: NewMonitor) -> int:
         """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
         process: Any = None
@@ -171,7 +157,7 @@ class MonitorNode(Node):
             return cls.serve(
                 process, lambda: cls(eddi_monitor_class(), eddi_input_class(), options, process)
             )
-        except (StartError, ModelError, MessageError) as error:
+        except REFUSALS as error:
             write_to_stderr(cls.NAME, f"error: {error}")
             if process is not None:
                 process.close()
