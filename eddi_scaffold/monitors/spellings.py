@@ -233,13 +233,13 @@ class _Robot:
         if kind is None or kind.claim is None or not claim:
             if kind is not None:
                 hint = f"such as {monitor}.CLAIM"
-                self.problems.append(problem("K007.claim", node.place, hint=hint, monitor=monitor))
+                self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
             return None
         package = package_name(monitor)
         parts = self._parts(model, kind) if kind.claim.apart else ()
         if parts and claim not in parts:
             hint = did_you_mean(claim, parts) or f"there are: {', '.join(parts)}"
-            self.problems.append(problem("K007.claim", node.place, hint=hint, monitor=monitor))
+            self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
             return None
         outputs = [item for item in items_of(document.get("EDDIOutputs")) if isinstance(item, Map)]
         texts = [{key.text: as_text(value) for key, value in item.entries} for item in outputs]
@@ -249,7 +249,7 @@ class _Robot:
         topic = next((text["topic"] for text in fitting if text.get("topic")), None)
         if topic is None:
             hint = "it has no topic in `EDDIOutputs`"
-            self.problems.append(problem("K007.claim", node.place, hint=hint, monitor=monitor))
+            self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
             return None
         id_ = f"{package}_{claim}" if len(all_of_it) > 1 else package
         place = node.place

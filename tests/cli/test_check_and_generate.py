@@ -98,14 +98,6 @@ def test_a_platform_asks_whether_monitors_can_be_generated(tmp_path: Path) -> No
     assert run("check", MODEL, "--platform", "ros3", cwd=tmp_path).status == 2
 
 
-def test_what_is_not_for_plain_python_is_not_asked(tmp_path: Path) -> None:
-    example(tmp_path)
-    config = tmp_path / "consert_b_config.yml"
-    config.write_text(config.read_text().partition("EDDIOutputs:")[0])
-    assert run("check", MODEL, config.name, cwd=tmp_path).status == 1
-    assert run("check", MODEL, config.name, "--platform", "plain", cwd=tmp_path).status == 0
-
-
 def test_the_marks_count_for_a_model_that_a_configuration_names(tmp_path: Path) -> None:
     example(tmp_path)
     (tmp_path / "wait.yml").write_text(

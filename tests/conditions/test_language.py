@@ -38,7 +38,6 @@ OF_KNOWN_VARIABLES = r"""
 1:7 E001.rest | x > 5 y
 1:7 E001.chain | x < 5 < y
 1:8 E005.duration | MAX(x, y) > 1
-1:8 E005.apart | MAX(x, 5 s) > 1
 1:8 E005.no_time | MAX(x, 0s) > 1
 1:8 E005.short_window | MAX(x, 50ms) > 1
 1:1 E006.unknown_function | MAXX(x, 5s) > 1

@@ -9,7 +9,7 @@ from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "consert-yaml.md"
-MODEL = PAGE.read_text(encoding="utf-8").partition("```yaml\n")[2].partition("```")[0]
+MODEL = PAGE.read_text(encoding="utf-8").partition("## The full form")[2].partition("```yaml\n")[2].partition("```")[0]
 CONFIG = """
 Model: {{id: {id}, type: ConSert}}
 SimulatorOutputs: [{{id: odometry, type: std_msgs.Float64, topic: /speed}}]
