@@ -104,6 +104,13 @@ def example(folder: Path) -> Path:
     return folder
 
 
+def edit(path: Path, old: str, new: str) -> None:
+    """Replace a text of a file that must be there."""
+    text = path.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), "utf-8")
+
+
 def files_below(folder: Path) -> dict[str, bytes]:
     """Return every file below a folder."""
     start = len(f"{folder}/")

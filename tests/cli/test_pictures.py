@@ -30,16 +30,6 @@ def test_one_model_goes_to_the_standard_output_or_to_a_file(folder: Path) -> Non
     assert (folder / "a.svg").read_text("utf-8") == drawn.out
 
 
-def test_several_models_need_a_folder_or_a_name(folder: Path) -> None:
-    for words in ((), ("-o", "a.svg")):
-        refused = run("diagram", MODEL, *words, cwd=folder)
-        assert refused.status == 2
-        assert "ConSertA" in refused.err
-    written = run("diagram", MODEL, "-o", ".", cwd=folder)
-    assert written.err.split() == ["ConSertA.svg", "ConSertB.svg"]
-    assert "System_A_G0_c2" in words_of((folder / "ConSertB.svg").read_text("utf-8"))
-
-
 def test_a_configuration_is_as_good_as_the_model_that_it_names(tmp_path: Path) -> None:
     robot = ROOT / "examples" / "warehouse-robot"
     for command in ("diagram", "export"):

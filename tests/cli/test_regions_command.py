@@ -2,12 +2,13 @@
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from eddi_scaffold import api
-from tests.cli.command import EXAMPLE, ROOT, example, run
+from tests.cli.command import EXAMPLE, ROOT, edit, example, run
 
 FILE = "src/conserta/EDDIInput.py"
 BODY = "        self.RtE_A_E0 = RtE_E0.data\n"
@@ -20,13 +21,6 @@ def package(tmp_path: Path) -> Path:
     return place
 
 
-def edit(package: Path, old: str, new: str) -> None:
-    file = package / FILE
-    text = file.read_text("utf-8")
-    assert old in text
-    file.write_text(text.replace(old, new, 1), "utf-8")
-
-
 def listed(package: Path) -> dict[str, str]:
     found = json.loads(run("regions", package, "--json", cwd=package).out)["regions"]
     return {one["id"]: one["state"] for one in found if one["id"].startswith("process_")}
@@ -34,7 +28,7 @@ def listed(package: Path) -> dict[str, str]:
 
 def test_an_edited_body_is_told_from_an_untouched_one(package: Path) -> None:
     assert listed(package) == {"process_RtE_A_D0": "untouched", "process_RtE_A_E0": "untouched"}
-    edit(package, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
+    edit(package / FILE, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
     assert listed(package) == {"process_RtE_A_D0": "untouched", "process_RtE_A_E0": "edited"}
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 0
@@ -44,8 +38,8 @@ def test_an_edited_body_is_told_from_an_untouched_one(package: Path) -> None:
 
 
 def test_a_body_that_was_written_for_another_signature_is_looked_at_once(package: Path) -> None:
-    edit(package, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
-    edit(package, "for:81fdda7e", "for:00000000 now:07d2967b/81fdda7e")
+    edit(package / FILE, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
+    edit(package / FILE, "for:81fdda7e", "for:00000000 now:07d2967b/81fdda7e")
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 3
     accepted = run("regions", "--accept", "process_RtE_A_E0", "--check", cwd=package)
@@ -54,19 +48,23 @@ def test_a_body_that_was_written_for_another_signature_is_looked_at_once(package
     assert "not RtE_E0.data" in (package / FILE).read_text("utf-8")
 
 
-def test_a_broken_marker_is_looked_at(package: Path) -> None:
-    edit(package, "'''-----Manual edit end-----'''  # region: process_RtE_A_E0\n", "\n")
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 3
-    assert any(line.startswith("broken") for line in shown.out.splitlines())
+DAMAGE: dict[str, Callable[[Path], object]] = {
+    "broken": lambda file: edit(
+        file, "'''-----Manual edit end-----'''  # region: process_RtE_A_E0\n", "\n"
+    ),
+    "outside": lambda file: edit(file, "def process_RtE_A_E0", "def process_RtE_A_EO"),
+    "missing": lambda file: file.unlink(),
+}
+"""A marker has gone; a method that would raise in each step; hand edits are gone."""
 
 
-def test_a_renamed_method_is_looked_at(package: Path) -> None:
-    """In every step it would raise."""
-    edit(package, "def process_RtE_A_E0", "def process_RtE_A_EO")
+@pytest.mark.parametrize("state", DAMAGE)
+def test_what_is_lost_is_looked_at(state: str, package: Path) -> None:
+    assert run("regions", "--check", cwd=package).status == 0
+    DAMAGE[state](package / FILE)
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 3
-    assert f"outside     {FILE}\n" in shown.out
+    assert any(line.startswith(state) and FILE in line for line in shown.out.splitlines())
 
 
 def test_what_is_written_by_hand_is_no_longer_called_for(tmp_path: Path) -> None:
@@ -122,12 +120,3 @@ def test_a_network_that_nothing_feeds_calls_for_its_methods(tmp_path: Path) -> N
     # with a declaration nothing is left to a person
     shutil.copy(pedestrian / "eddi_config.yml", tmp_path)
     assert "K050" not in run("check", "pedestrian.xml", "eddi_config.yml", cwd=tmp_path).err
-
-
-def test_an_editable_file_that_is_missing_is_looked_at(package: Path) -> None:
-    """With it its hand edits are gone, and CI saw nothing."""
-    assert run("regions", "--check", cwd=package).status == 0
-    (package / FILE).unlink()
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 3
-    assert f"missing     {FILE}\n" in shown.out

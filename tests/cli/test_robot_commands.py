@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.command import ROOT, run
+from tests.cli.command import ROOT, edit, run
 
 SYSTEM, NODES, CONFIG, MODEL = "rover.rossystem", "nodes", "eddi_config.yml", "Rover.yml"
 CHECK = ("check", MODEL, CONFIG, SYSTEM, "--models", NODES)
@@ -24,25 +24,8 @@ def robot(tmp_path: Path) -> Path:
     return folder
 
 
-def edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text("utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new), "utf-8")
-
-
 def codes(text: str) -> list[str]:
     return re.findall(r"\[([A-Z]\d+)\]", text)
-
-
-def test_a_model_is_shown_with_what_was_not_read(robot: Path) -> None:
-    shown = run("show", "nodes/rover_msgs.ros", cwd=robot)
-    assert shown.out.splitlines() == [
-        "package rover_msgs", "  topic Charge", "    message: float32 level"
-    ]  # fmt: skip
-    edit(robot / LASER, "node: laser", "nod: laser")
-    shown = run("show", LASER, cwd=robot)
-    assert (shown.status, codes(shown.err)) == (1, ["M006"])
-    assert shown.out.splitlines() == ["package laser_driver", "  artifact laser_node"]
 
 
 def test_what_cannot_be_read_is_bad_input(robot: Path) -> None:
@@ -52,18 +35,6 @@ def test_what_cannot_be_read_is_bad_input(robot: Path) -> None:
     shown = run("show", SYSTEM, "--json", cwd=robot)
     (problem,) = json.loads(shown.out)["problems"]
     assert (shown.status, problem["code"], problem["file"]) == (2, "M001", SYSTEM)
-
-
-def test_a_configuration_is_checked_against_the_system(robot: Path) -> None:
-    checked = run(*CHECK, "nodes/rover_msgs.ros", cwd=robot)
-    assert (checked.status, codes(checked.err)) == (0, [])
-    edit(robot / CONFIG, "topic: /odom", "topic: /odm")
-    edit(robot / CONFIG, "type: std_msgs.Bool", "type: std_msgs.Float64")
-    checked = run(*CHECK, cwd=robot)
-    assert checked.status == 1
-    assert "/front/clear is a std_msgs/Bool in rover.rossystem [K040]" in checked.err
-    assert "no node of rover.rossystem has the topic /odm [K040]" in checked.err
-    assert "hint: did you mean '/odom'?" in checked.err
 
 
 def test_without_node_models_a_system_is_only_read(robot: Path) -> None:

@@ -42,6 +42,10 @@ def test_the_bundle_is_put_where_a_later_update_finds_it(installed: Path, tmp_pa
     put = tmp_path / "home" / template.location[2:]
     assert put.read_bytes() == b"bundle"
     assert own_template() == template
+    put.with_name("templates.version").write_text("900.0.0")
+    (installed / "templates.bundle").write_bytes(b"older")
+    template.keep()
+    assert put.read_bytes() == b"bundle", "that of a newer release stays"
     assert not [path for path in put.parent.iterdir() if "template" not in path.name]
 
 

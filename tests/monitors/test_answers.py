@@ -39,15 +39,6 @@ def test_another_unit_asks_for_a_look_and_stands_in_the_comment() -> None:
     ]
 
 
-def test_an_id_of_the_configuration_that_is_not_the_models_is_told() -> None:
-    (model,) = read_models(Source("Rover.yml", MODEL.encode())).models
-    config, _ = read_config(Source("c.yml", CONFIG.format(id="Rovr", unit="m/s").encode()))
-    assert config is not None
-    _, problems = monitor_of(model, config)
-    told = [p.message for p in problems if p.code == "K012"]
-    assert told == ["Model id 'Rovr' names the package, the model is called 'Rover'"]
-
-
 def text_that_travels(description: str) -> dict[str, bytes]:
     events = f"// {description}\r\nVAR v : NUMBER TIMEOUT 1s  \r\nEVENT Slow := v < 1\r\n"
     (model,) = read_models(Source("slow.events", events.encode())).models

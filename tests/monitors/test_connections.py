@@ -46,37 +46,6 @@ OUTCOME = "risk.output_nodes[Critical].outcomes[hihg].outcome_value"
 
 
 @pytest.mark.parametrize(
-    ("entry", "wanted"),
-    [
-        (f"expression: {OUTCOME} < 0.1", f"'{OUTCOME}': PedestrianRisk publishes no 'hihg'"),
-        (f"expression: {TITLE} < 0.1", f"'{TITLE}': PedestrianRisk publishes no 'Critcal'"),
-    ],
-)
-def test_keys_that_the_network_beside_does_not_have(
-    tmp_path: Path, entry: str, wanted: str
-) -> None:
-    config = tmp_path / "rover.yml"
-    config.write_text(
-        f"""Model: {{id: Rover, type: ConSert}}
-SimulatorOutputs:
-  - {{id: risk, type: eddi_messages.BayesianNetworkOutput, topic: /pedestrian/risk, max_age: 1}}
-EDDIInputs:
-  - id: MotorIsCool
-    {entry}
-EDDIOutputs: [{{id: rover, topic: /rover/guarantees}}]
-""",
-        "utf-8",
-    )
-    network = tmp_path / "network.yml"
-    text = (NETWORK / "eddi_config.yml").read_text("utf-8")
-    network.write_text(text.replace("pedestrian_prediction_example", "PedestrianRisk"), "utf-8")
-    names = (NETWORK / "pedestrian.xml", network, ROVER / "Rover.yml", config)
-    problems = check_files(names)
-    (problem,) = [one for one in problems if one.code == "K020"]
-    assert (problem.message, problem.place.line) == (wanted, 6)
-
-
-@pytest.mark.parametrize(
     ("field", "hint"),
     [
         ("output_nodes[Criticl].outcomes[Yes].outcome_value", "Critical"),

@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.loading import read_models
 
 
@@ -24,30 +23,3 @@ def test_a_file_without_a_model(tmp_path: Path, name: str, data: bytes, said: st
     path.write_bytes(data)
     (problem,) = read_models(read_source(path)).problems
     assert (problem.code, problem.message.startswith(said)) == ("F003", True)
-
-
-@pytest.mark.parametrize(
-    ("text", "line", "said", "hint"),
-    [
-        ("robots:\n  - {name: a}\nbindings: []\n", 1, "no section 'robots'", "mean 'Robots', of"),
-        ("title: x\nmodel: {id: a}\n", 2, "no section 'model'", "mean 'Model', of a confi"),
-        ("version: 3\nnetworks: {}\n", 1, "no file of ours: it has the keys", "`guarantees`, a "),
-    ],
-)
-def test_yaml_that_is_no_consert_gets_one_error(
-    text: str, line: int, said: str, hint: str, tmp_path: Path
-) -> None:
-    file = tmp_path / "deployment.yml"
-    file.write_text(text, "utf-8")
-    (problem,) = check_files([file])
-    assert (problem.code, problem.place.line) == ("F003", line)
-    assert said in problem.message
-    assert hint in (problem.hint or "")
-
-
-def test_yaml_with_a_misspelt_key_of_a_consert_is_one(tmp_path: Path) -> None:
-    file = tmp_path / "m.yml"
-    file.write_text("guarantee: []\n", "utf-8")
-    (problem,) = check_files([file])
-    assert problem.code == "F003"
-    assert "guarantees" in f"{problem.message} {problem.hint}"

@@ -58,18 +58,6 @@ def test_a_file_with_one_of_the_models_leaves_the_others_alone(
     assert [p.code for p in problems if p.level != "info"] == []
 
 
-def test_a_model_that_has_gone_from_its_own_file_is_told(workspace: Path, tmp_path: Path) -> None:
-    newer = tmp_path / EXAMPLE.name
-    newer.write_text(EXAMPLE.read_text().replace('name="ConSertB"', 'name="Other"'))
-    (group,) = groups(workspace, [])
-    packages, problems = targets(group, newer, [])
-    assert {package.folder for package in packages} == {"conserta", "consertb"}
-    (told,) = [p for p in problems if p.code == "U007"]
-    assert told.message == (
-        "there is no model 'ConSertB' any more: the package consertb stays as it is"
-    )
-
-
 def test_the_marks_of_the_first_reading_are_remembered(tmp_path: Path) -> None:
     model = tmp_path / "Rover.yml"
     model.write_text(DEFAULT)

@@ -72,11 +72,6 @@ def answers(tmp_path: Path, change: dict) -> tuple[dict, list[str]]:
     return dict(package.answers), [f"{one.code} {one.message}" for one in problems]
 
 
-def test_the_next_steps_are_of_all_packages() -> None:
-    steps = platforms()["dds"].next_steps(Path("out"), ["arm", "cart"])
-    assert list(steps) == ["pip install out/arm out/cart", "arm", "cart"]
-
-
 def test_a_field_is_looked_for_in_the_message_of_ros2(tmp_path: Path) -> None:
     scan = {"type": "sensor_msgs/Range"}
     assert answers(tmp_path, {**scan, "field": "range"})[1] == []

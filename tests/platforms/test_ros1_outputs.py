@@ -37,18 +37,3 @@ def test_a_field_is_published_as_a_message_of_std_msgs(tmp_path: Path) -> None:
     assert (value["status_topic"], value["status_class"]) == ("None", "None")
     assert "from std_msgs.msg import Bool" in found["message_imports"]
     assert "std_msgs" in found["message_packages"]
-
-
-def test_a_wrong_field_names_those_that_are_there(tmp_path: Path) -> None:
-    line = len((EXAMPLE / "consert_b_config.yml").read_text("utf-8").rstrip().splitlines()) + 1
-    for field, text in {
-        "guarantes[X].active": "eddi_messages/ConSertOutput has no field 'guarantes'; "
-        "did you mean 'guarantees'? its fields: guarantees",
-        "guarantees[X].actve": "eddi_messages/Guarantee has no field 'actve'; "
-        "did you mean 'active'? its fields: id, active",
-        "guarantees[X]": "the path ends at eddi_messages/Guarantee, not at a single value",
-        "guarantees.id": "eddi_messages/Guarantee[] is a list; one element of it is [0], "
-        "or [key] where the elements have names",
-        "guarantees[X].active[0]": "bool is not a list",
-    }.items():
-        assert answers(tmp_path, field)[1] == [f"{line}: {text}"]
