@@ -51,12 +51,9 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
 def support_answers(monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
     """Return the answers of messages, launcher, metapackage, and of the runtime if one needs it."""
     single = all(monitor.get(platforms.SINGLE_PROCESS) is True for monitor in monitors.values())
-    messages, *others = ros_packages.support_packages(
-        monitors,
-        (MESSAGES, LAUNCHER, RUNTIME),
-        {"single_process": single},
-        [HOST] if single else (),
-    )
+    templates, host = (MESSAGES, LAUNCHER, RUNTIME), [HOST] if single else ()
+    launcher = {"single_process": single}
+    messages, *others = ros_packages.support_packages(monitors, templates, launcher, host)
     meta = ros_packages.package_answers(
         META,
         METAPACKAGE,
