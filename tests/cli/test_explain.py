@@ -3,25 +3,7 @@
 import json
 from pathlib import Path
 
-import pytest
-
-from eddi_scaffold.common.catalogue import find
 from tests.cli.command import run
-
-
-@pytest.mark.parametrize("code", ["D004", "d004"])
-def test_a_code_in_words(code: str, tmp_path: Path) -> None:
-    result = run("explain", code, cwd=tmp_path)
-    diagnostic = find("D004")
-    assert diagnostic is not None
-    assert (result.status, result.err) == (0, "")
-    head, why, fix, title, texts = result.out.rstrip("\n").split("\n\n")
-    assert head == f"D004: {diagnostic.title} (error)"
-    assert why.replace("\n", " ") == diagnostic.why
-    assert fix.replace("\n", " ") == f"What to do: {diagnostic.fix}"
-    assert title == "Printed as:"
-    text = "  error: demand INPUT is not fulfilled: REASON"
-    assert f"{text}\n    hint: `eddi-scaffold compose` shows which guarantees would" in texts
 
 
 def test_a_code_of_before_names_the_one_that_took_it_in(tmp_path: Path) -> None:

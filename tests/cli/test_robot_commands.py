@@ -53,34 +53,6 @@ def test_every_damaged_file_is_told(robot: Path) -> None:
     assert f"{LASER}:6:" in checked.err
 
 
-def test_a_monitor_is_generated_with_the_topics_of_the_system(robot: Path) -> None:
-    """The configuration as it is shipped has none; what does not resolve is only a warning."""
-    shutil.copy(ROOT / "examples" / "robot-models" / CONFIG, robot / CONFIG)
-    words = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
-    (robot / "ws" / "src").mkdir(parents=True)
-    assert codes(run(*words, cwd=robot).err) == ["K007"] * 3
-    assert codes(run(*words, "--system", SYSTEM, cwd=robot).err) == ["G017"]
-    edit(robot / SYSTEM, '"laser_driver.laser"', '"lost.laser"')
-    models = ("--models", NODES)
-    refused = run(*words, "--system", SYSTEM, *models, cwd=robot)
-    assert (refused.status, codes(refused.err)) == (2, ["K007", "M007"])
-    edit(robot / SYSTEM, '"lost.laser"', '"laser_driver.laser"')
-    edit(robot / SYSTEM, "battery_node::charge", "battery_node::chrge")
-    edit(robot / CONFIG, "[charge]", "[battery]")
-    edit(
-        robot / CONFIG,
-        "EDDIInputs:",
-        "SimulatorOutputs: [{id: battery, type: rover_msgs.Charge, topic: /b}]\nEDDIInputs:",
-    )
-    written = run(*words, "--system", SYSTEM, *models, cwd=robot)
-    assert (written.status, codes(written.err)) == (0, ["M009"])
-    node = (robot / "ws/src/eddi_monitor/rover/scripts/RosNode.py").read_text("utf-8")
-    assert re.findall("Input\\('(.*)', '(.*)', (.*)\\)", node) == [
-        ("clear", "/front/clear", "Bool"), ("odometry", "/odom", "Odometry"),
-        ("battery", "/b", "Charge"),
-    ]  # fmt: skip
-
-
 def test_message_types_of_the_robots_models_stay_known(robot: Path) -> None:
     """Whatever command comes next, and without the models."""
     (robot / "ws/src").mkdir(parents=True)

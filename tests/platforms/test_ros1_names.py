@@ -17,33 +17,19 @@ def package(folder: Path) -> None:
     (folder / "package.xml").write_text(MANIFEST.format(folder.name))
 
 
-def test_packages_of_the_ros_environment_are_taken_but_not_our_own(
+def test_packages_of_the_environment_and_of_the_workspace_are_taken_but_not_our_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = tmp_path / "ws" / "src"
-    package(source / "navigation")
-    package(source / "eddi_monitor" / "conserta")
-    monkeypatch.setenv("ROS_PACKAGE_PATH", str(source))
+    for place in ("ws/src/navigation", "ws/src/eddi_monitor/conserta", "other/src/cart"):
+        package(tmp_path / place)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "other" / "src"))
     taken = taken_names(source / "eddi_monitor")
     assert taken["navigation"] == f"the ROS package navigation is in {source / 'navigation'}"
+    assert taken["cart"].endswith(
+        "; a terminal in which its workspace is not sourced does not see it"
+    )
     assert "conserta" not in taken
-
-
-def test_a_package_of_another_workspace_is_taken_where_that_is_sourced(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    package(tmp_path / "other" / "src" / "cart")
-    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "other" / "src"))
-    reason = taken_names(tmp_path / "src" / "eddi_monitor")["cart"]
-    assert reason.endswith("; a terminal in which its workspace is not sourced does not see it")
-
-
-def test_a_package_elsewhere_in_the_workspace_is_taken(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
-    package(tmp_path / "src" / "rover")
-    assert "rover" in taken_names(tmp_path / "src" / "eddi_monitor")
 
 
 @pytest.mark.parametrize("name", ["json", "rospy", "eddi_runtime", "class", "sitecustomize"])

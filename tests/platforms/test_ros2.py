@@ -167,27 +167,6 @@ def test_names_of_packages_that_are_installed(
     assert "crawler" not in taken
 
 
-def test_a_node_without_ros_says_what_is_missing(workspace: Path) -> None:
-    try:
-        import rclpy  # noqa: F401
-    except ImportError:
-        folder = workspace / "src" / "eddi_monitor" / "consertb"
-        done = subprocess.run(
-            [sys.executable, "-m", "consertb.RosNode"],
-            capture_output=True,
-            text=True,
-            env={"PYTHONPATH": f"{folder}:{RUNTIME}", "PYTHONDONTWRITEBYTECODE": "1"},
-            check=False,
-        )
-        assert (done.returncode, done.stdout) == (1, "")
-        assert done.stderr == (
-            "consertb: error: No module named 'rclpy': source the setup.bash of ROS 2 (Humble or"
-            " newer), then that of this workspace\n"
-        )
-    else:
-        pytest.skip("rclpy is here")
-
-
 def test_hand_edits_survive_an_upgrade(workspace: Path) -> None:
     packages = workspace / "src" / "eddi_monitor"
     mine = {}
