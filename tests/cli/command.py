@@ -97,6 +97,14 @@ def scaffold(
     )
 
 
+def generate(place: Path, letter: str, *words: object, status: int = 0) -> Result:
+    """Generate a monitor of the example into a workspace."""
+    files = ("-m", EXAMPLE / "two_conserts.xml", "-c", EXAMPLE / f"consert_{letter}_config.yml")
+    done = run("generate", "-w", place, *files, *words, cwd=place)
+    assert done.status == status, done.err
+    return done
+
+
 def example(folder: Path) -> Path:
     """Put the files of the example into a folder."""
     for file in (path for path in EXAMPLE.iterdir() if path.is_file()):

@@ -104,7 +104,3 @@ def test_the_marks_count_for_a_model_that_a_configuration_names(tmp_path: Path) 
     mark = ("--default-guarantee", "Wait")
     assert run("check", config.name, cwd=tmp_path).status == 1
     assert run("check", config.name, *mark, cwd=tmp_path).status == 0
-    (tmp_path / "src").mkdir()
-    generate = ("generate", "-w", ".", "-c", config.name, "--dry-run")
-    assert run(*generate, cwd=tmp_path).status == 2
-    assert run(*generate, *mark, cwd=tmp_path).status == 0

@@ -44,15 +44,6 @@ def test_without_node_models_a_system_is_only_read(robot: Path) -> None:
     assert (checked.status, codes(checked.err)[:1]) == (1, ["M007"])
 
 
-def test_every_damaged_file_is_told(robot: Path) -> None:
-    edit(robot / LASER, "scan:", "scan")
-    (robot / "gone.ros1").symlink_to("nowhere")
-    checked = run("check", LASER, "gone.ros1", SYSTEM, "--models", NODES, cwd=robot)
-    assert checked.status == 1
-    assert {"M001", "F001"} <= set(codes(checked.err))
-    assert f"{LASER}:6:" in checked.err
-
-
 def test_message_types_of_the_robots_models_stay_known(robot: Path) -> None:
     """Whatever command comes next, and without the models."""
     (robot / "ws/src").mkdir(parents=True)

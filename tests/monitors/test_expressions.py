@@ -374,11 +374,7 @@ def test_what_the_documentation_calls_no_measurement(
 @pytest.mark.parametrize(
     ("text", "code", "message"),
     [
-        (
-            "MIN(battery.cell_voltage[*], SECTOR -1 rad .. 1 rad) > 1",
-            "K020",
-            "no field 'angle_min'",
-        ),
+        ("MIN(battery.cell_voltage[*], SECTOR -1 rad .. 1 rad) > 1", "K020", "'angle_min'"),
         ("MIN(scan.ranges[*]) > 1 s", "E009", "m (length) and s (time) do not go together"),
         ("MIN(scan.header[*]) > 1", "K020", "is not a list"),
         ("scan.ranges > 1", "K020", "is a float[]"),

@@ -10,20 +10,13 @@ import pytest
 import yaml
 from eddi_runtime import __version__
 
-from tests.cli.command import EXAMPLE, ROOT, Result, run
+from tests.cli.command import EXAMPLE, ROOT, generate, run
 
 RUNTIME = "eddi_runtime"
 MODEL = EXAMPLE / "two_conserts.xml"
 KEY = "<exec_depend>python3-eddi-runtime-pip</exec_depend>"
 MINE = "        self.RtE_A_E0 = RtE_E0.data is True\n"
 pytestmark = pytest.mark.slow
-
-
-def generate(place: Path, letter: str, *words: str, status: int = 0) -> Result:
-    config = EXAMPLE / f"consert_{letter}_config.yml"
-    done = run("generate", "-w", place, "-m", MODEL, "-c", config, *words, cwd=place)
-    assert done.status == status, done.err
-    return done
 
 
 def plain(place: Path, *words: str) -> Path:

@@ -7,16 +7,10 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.program.runtime_parts import HOST
-from tests.cli.command import EXAMPLE, run
+from tests.cli.command import EXAMPLE, generate, run
 
 MODEL = EXAMPLE / "two_conserts.xml"
 pytestmark = pytest.mark.slow
-
-
-def generate(place: Path, letter: str, *words: str) -> None:
-    config = EXAMPLE / f"consert_{letter}_config.yml"
-    done = run("generate", "-w", place, "-m", MODEL, "-c", config, *words, cwd=place)
-    assert done.status == 0, done.err
 
 
 def own_files(packages: Path) -> dict[str, str]:

@@ -72,13 +72,6 @@ def answers(tmp_path: Path, change: dict) -> tuple[dict, list[str]]:
     return dict(package.answers), [f"{one.code} {one.message}" for one in problems]
 
 
-def test_a_field_is_looked_for_in_the_message_of_ros2(tmp_path: Path) -> None:
-    scan = {"type": "sensor_msgs/Range"}
-    assert answers(tmp_path, {**scan, "field": "range"})[1] == []
-    _, (problem,) = answers(tmp_path, {**scan, "field": "header.stamp.secs"})
-    assert problem.startswith("K020 builtin_interfaces/Time has no field 'secs'")
-
-
 def test_a_definition_comes_after_those_that_it_is_made_of(tmp_path: Path) -> None:
     own = {
         "my_msgs/Range": {"header": "Header", "one": "my_msgs/Part[2]", "age": "duration"},
