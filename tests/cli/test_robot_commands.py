@@ -11,7 +11,6 @@ import pytest
 from tests.cli.command import ROOT, edit, run
 
 SYSTEM, NODES, CONFIG, MODEL = "rover.rossystem", "nodes", "eddi_config.yml", "Rover.yml"
-CHECK = ("check", MODEL, CONFIG, SYSTEM, "--models", NODES)
 LASER = "nodes/laser_driver.ros1"
 
 

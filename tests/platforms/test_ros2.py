@@ -20,7 +20,6 @@ from tests.kinds.examples import EXAMPLES
 
 CONTRACT = ROOT / "tests" / "contract"
 MODEL = EXAMPLE / "two_conserts.xml"
-RUNTIME = ROOT / "runtime_lib" / "src"
 XML_END, HASH_END = "<!-- Manual edit end | region: ", "# -----Manual edit end-----  # region: "
 EDITED = {
     "consertb/consertb/EDDIInput.py": ("RtE_A_E0 = RtE_E0.data", "RtE_A_E0 = RtE_E0.data is True"),
