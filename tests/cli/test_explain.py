@@ -12,16 +12,10 @@ def test_a_code_of_before_names_the_one_that_took_it_in(tmp_path: Path) -> None:
 
 
 def test_a_code_for_programs(tmp_path: Path) -> None:
-    result = run("explain", "K006", "--json", cwd=tmp_path)
-    shown = json.loads(result.out)
+    shown = json.loads(run("explain", "K006", "--json", cwd=tmp_path).out)
     assert list(shown) == ["code", "title", "levels", "why", "fix", "absorbed", "cases"]
     assert (shown["code"], shown["levels"]) == ("K006", ["error", "warning"])
-    assert shown["cases"][0] == {
-        "case": "one_name",
-        "level": "error",
-        "text": "{first!r} and {second!r} are both {name!r} in expressions",
-        "hint": None,
-    }
+    assert list(shown["cases"][0]) == ["case", "level", "text", "hint"]
 
 
 def test_a_text_that_is_like_no_code(tmp_path: Path) -> None:

@@ -38,20 +38,11 @@ def generated(folder: Path, model: Path, marks: tuple[str, ...] = ()) -> None:
     write_packages(folder, assemble(monitors, platform, folder, problems).packages, own_template())
 
 
-@pytest.fixture
-def workspace(tmp_path: Path) -> Path:
-    folder = tmp_path / "packages"
+def test_a_file_with_one_of_the_models_leaves_the_others_alone(tmp_path: Path) -> None:
+    folder, newer = tmp_path / "packages", tmp_path / "newer.xml"
     generated(folder, EXAMPLE)
-    return folder
-
-
-def test_a_file_with_one_of_the_models_leaves_the_others_alone(
-    workspace: Path, tmp_path: Path
-) -> None:
-    text = EXAMPLE.read_text()
-    newer = tmp_path / "newer.xml"
-    newer.write_text(text.replace('name="ConSertB"', 'name="Other"'))
-    (group,) = groups(workspace, [])
+    newer.write_text(EXAMPLE.read_text().replace('name="ConSertB"', 'name="Other"'))
+    (group,) = groups(folder, [])
     packages, problems = targets(group, newer, [])
     files = {package.folder: package.answers["model_file"] for package in packages}
     assert files == {"conserta": "newer.xml", "consertb": "two_conserts.xml"}
