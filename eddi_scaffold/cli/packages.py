@@ -97,8 +97,8 @@ def upgrade(
                 dry_run=dry_run,
                 progress=console.progress,
             )
-            alone_left = [*map(linked_package, group.links), *upgrading.compiled_before(targets)]
-            outcomes.append(replace(outcome, left=[*alone_left, *outcome.left]))
+            remaining = [*map(linked_package, group.links), *upgrading.compiled_before(targets)]
+            outcomes.append(replace(outcome, left=[*remaining, *outcome.left]))
     finish(*outcomes, dry_run=dry_run)
 
 

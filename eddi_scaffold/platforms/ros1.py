@@ -14,7 +14,7 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
 from eddi_scaffold.monitors.message_types import known_messages
-from eddi_scaffold.platforms import PackageAnswers, ros_packages
+from eddi_scaffold.platforms import Choices, PackageAnswers, ros_packages
 from eddi_scaffold.program.runtime_parts import HOST
 
 METAPACKAGE = "eddi_monitor"
@@ -40,10 +40,7 @@ MONITOR, MESSAGES, META, LAUNCHER, RUNTIME = (
 def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     """Return the answers of one monitor package."""
     known = known_types(monitor.config, known_messages())
-    choices: platforms.Choices = {
-        platforms.RUNTIME: platforms.VENDORED,
-        platforms.SINGLE_PROCESS: False,
-    }
+    choices: Choices = {platforms.RUNTIME: platforms.VENDORED, platforms.SINGLE_PROCESS: False}
     package, _, problems = ros_packages.monitor_package(monitor, known, MONITOR, "src/", choices)
     return package, problems
 
