@@ -7,7 +7,6 @@ codes, places and hints. What this module exports is public and changes only wit
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
@@ -76,8 +75,8 @@ def check(files: str | Path | Iterable[str | Path], platform: str | None = None)
     Raises:
         EddiError: there is no such platform (G008).
     """
-    given = _paths(files)
-    return until_written_near(check_files(given, platform=platform), given)
+    paths = _paths(files)
+    return until_written_near(check_files(paths, platform=platform), paths)
 
 
 def generate(
@@ -112,11 +111,8 @@ def generate(
     root = packages_root(target, place)
     with alone(() if dry_run else [root]):
         monitors, problems = monitors_of(_paths(model), _paths(configs), root=root)
-        asked = choices(runtime, single_process)
-        made = assemble(monitors, target, root, problems, asked)
-        done = write_packages(root, made.packages, own_template(), dry_run=dry_run)
-    notes = list(dict.fromkeys(done.notes))
-    return replace(done, notes=notes)
+        plan = assemble(monitors, target, root, problems, choices(runtime, single_process))
+        return write_packages(root, plan.packages, own_template(), dry_run=dry_run)
 
 
 def run(
@@ -137,5 +133,5 @@ def run(
     """
     monitors, _ = monitors_of(_paths(model), _paths(config))
     monitor = only(monitors)
-    tape, _ = read_recording(read_source(Path(recording)), columns([monitor]))
-    yield from steps(play(of_values([monitor], [step_rule(monitor)]), tape))
+    rows, _ = read_recording(read_source(Path(recording)), columns([monitor]))
+    yield from steps(play(of_values([monitor], [step_rule(monitor)]), rows))

@@ -106,26 +106,20 @@ def test_generate_needs_a_workspace(tmp_path: Path) -> None:
     assert [*tmp_path.rglob("*")] == [sources]
 
 
-def test_run_needs_one_model(tmp_path: Path) -> None:
-    shutil.copy(EXAMPLE / "recording.csv", tmp_path)
-    with pytest.raises(api.EddiError) as refused:
-        list(api.run(tmp_path / "recording.csv", MODEL))
-    assert [problem.code for problem in refused.value.problems] == ["G005"]
-
-
-def test_nothing_to_work_on(tmp_path: Path) -> None:
-    for call in (lambda: api.generate(tmp_path), lambda: next(api.run(EXAMPLE / "recording.csv"))):
-        with pytest.raises(api.EddiError) as refused:
-            call()
-        assert [problem.code for problem in refused.value.problems] == ["G015"]
-
-
-def test_run_refuses_more_steps_than_anybody_waits_for(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("files", "rows", "code"),
+    [
+        ((), "0,true,true", "G015"),
+        ((MODEL,), "0,true,true", "G005"),
+        ((MODEL, CONFIG), "0,true,true\n1700000000,true,true", "I019"),  # nobody waits for this
+    ],
+)
+def test_what_cannot_be_run(files: tuple[Path, ...], rows: str, code: str, tmp_path: Path) -> None:
     recording = tmp_path / "recording.csv"
-    recording.write_text("t,RtE_A_D0,RtE_A_E0\n0,true,true\n1700000000,true,true\n", "utf-8")
+    recording.write_text(f"t,RtE_A_D0,RtE_A_E0\n{rows}\n", "utf-8")
     with pytest.raises(api.EddiError) as refused:
-        next(api.run(recording, MODEL, CONFIG))
-    assert [problem.code for problem in refused.value.problems] == ["I019"]
+        next(api.run(recording, *files))
+    assert [problem.code for problem in refused.value.problems] == [code]
 
 
 def test_the_reference_is_up_to_date() -> None:

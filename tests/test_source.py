@@ -9,6 +9,7 @@ from eddi_scaffold.common import files as source_module
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.eddi_xml.document import read_document, recognises
+from eddi_scaffold.monitors.loading import read_models
 
 
 def test_a_large_file_reads_like_a_small_one(
@@ -36,6 +37,14 @@ def test_a_large_file_reads_like_a_small_one(
 def test_what_cannot_be_read(tmp_path: Path, name: str) -> None:
     with pytest.raises(EddiError, match="cannot read the file"):
         read_source(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("data", "case"), [(b" \n", "empty"), (b"\x00\x01", "binary"), (b"\x89PNG", "binary")]
+)
+def test_a_file_without_a_model(data: bytes, case: str) -> None:
+    (problem,) = read_models(Source("m.bin", data)).problems
+    assert problem.case == f"F003.{case}"
 
 
 def test_too_large(tmp_path: Path) -> None:

@@ -59,9 +59,3 @@ def test_units_of_robots_are_units_of_conserts(uom: str) -> None:
     assert [problem.code for problem in reading.problems if problem.level == "error"] == []
     (one,) = reading.models[0].inputs()
     assert one.unit == uom
-
-
-@pytest.mark.parametrize("word", sorted(units.words()))
-def test_words_are_names_in_events(word: str) -> None:
-    assert word.isidentifier()
-    assert units.word(units.find(word).symbol).isidentifier()

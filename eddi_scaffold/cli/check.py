@@ -136,7 +136,6 @@ def show(
 
 
 def _show_robot(shown: Shown, *, as_json: bool) -> None:
-
     if as_json:
         console.json(shown.document)
     else:

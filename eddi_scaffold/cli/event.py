@@ -121,7 +121,6 @@ def _file_of(text: str) -> Path | None:
 
 
 def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
-
     from eddi_scaffold.conditions.standalone import columns, play
     from eddi_scaffold.recordings.csv_recording import read_rows
 

@@ -13,10 +13,7 @@ from eddi_scaffold.cli.console import console
 from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
 
 
-def example(
-    name: str,
-    folder: Annotated[Path | None, typer.Argument()] = None,
-) -> None:
+def example(name: str, folder: Annotated[Path | None, typer.Argument()] = None) -> None:
     """Write a worked example: model, configurations, a recording.
 
     Example: eddi-scaffold example two-conserts demo
@@ -66,11 +63,7 @@ def _examples() -> Path:
     return checkout if checkout.is_dir() else package / "_examples"
 
 
-def explain(
-    code: str,
-    *,
-    as_json: bool = False,
-) -> None:
+def explain(code: str, *, as_json: bool = False) -> None:
     """Say what a problem means, and what to do.
 
     Example: eddi-scaffold explain K007

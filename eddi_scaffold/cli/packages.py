@@ -97,9 +97,8 @@ def upgrade(
                 dry_run=dry_run,
                 progress=console.progress,
             )
-            links = [linked_package(link) for link in group.links]
-            left = [*links, *upgrading.compiled_before(targets), *outcome.left]
-            outcomes.append(replace(outcome, left=left))
+            remaining = [*map(linked_package, group.links), *upgrading.compiled_before(targets)]
+            outcomes.append(replace(outcome, left=[*remaining, *outcome.left]))
     finish(*outcomes, dry_run=dry_run)
 
 

@@ -170,7 +170,6 @@ def _from_csv(
     package: Packaged | None,
     configs: Sequence[Path],
 ) -> tuple[Recording, Sequence[Problem]]:
-
     from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.recordings.csv_recording import read_recording
     from eddi_scaffold.recordings.playing import columns, more_than_all

@@ -108,8 +108,7 @@ class Refused(Exception):  # noqa: N818 - an answer, not an error
 
     def __init__(self, status: HTTPStatus, text: str) -> None:
         super().__init__(text)
-        self.status = status
-        self.text = text
+        self.status, self.text = status, text
 
 
 class Handler(BaseHTTPRequestHandler):

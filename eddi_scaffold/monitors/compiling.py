@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import MISSING, Field, asdict, dataclass, field, fields, is_dataclass, replace
+from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
@@ -143,7 +143,11 @@ def _text(value: Any) -> str:
 def _fields(type_: Any) -> Sequence[tuple[str, str]]:
     """Return the fields that decide, by name, each with the text of its default."""
     if is_dataclass(type_):
-        usual = {field.name: _default(field) for field in fields(type_) if field.compare}
+        usual = {
+            of.name: of.default if of.default_factory is MISSING else of.default_factory()
+            for of in fields(type_)
+            if of.compare
+        }
     else:
         usual = {name: type_._field_defaults.get(name, MISSING) for name in type_._fields}
     return [
@@ -151,10 +155,6 @@ def _fields(type_: Any) -> Sequence[tuple[str, str]]:
         for name, default in sorted(usual.items(), key=lambda item: item[0])
         if name not in _FOR_PEOPLE
     ]
-
-
-def _default(field: Field[Any]) -> Any:
-    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 @dataclass(frozen=True)

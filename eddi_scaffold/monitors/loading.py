@@ -54,11 +54,6 @@ def is_config(source: Source) -> bool:
     return not _CONFIG_SECTIONS.isdisjoint(node.keys())
 
 
-def is_mros(source: Source) -> bool:
-    """Return by its name whether a file describes a robot (``.rossystem``, ``.ros``, ...)."""
-    return named_like_mros(source.name)
-
-
 def named_like_mros(name: str) -> bool:
     """Return whether a file name is that of a ``.rossystem``, ``.ros``, ``.ros1`` or ``.ros2``."""
     from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX  # noqa: PLC0415 - with its readers
@@ -87,7 +82,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
         return ReadResult((), (problem("F003.configuration", place, hint=hint),))
     if is_fleet(source):
         return ReadResult((), (problem("F003.deployment", place),))
-    if is_mros(source):
+    if named_like_mros(source.name):
         return ReadResult((), (problem("F003.nodes", place),))
     if name.endswith(YAML_SUFFIXES):
         node, _ = read_map(source, "C001")
@@ -96,9 +91,9 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
         keys = [key for key, _ in (node.entries if node else ())]
         if keys and not any(key.text in consert for key in keys):  # of no kind
             meant = [(key, most_similar(key.text, known.keys() - consert)) for key in keys]
-            key, near = next((pair for pair in meant if pair[1]), meant[0])
-            if near is not None:
-                fields = {"key": key.text, "near": near, "known": known[near]}
+            key, similar = next((pair for pair in meant if pair[1]), meant[0])
+            if similar is not None:
+                fields = {"key": key.text, "near": similar, "known": known[similar]}
                 return ReadResult((), (problem("F003.no_section", key.place, **fields),))
             hint = ", ".join(f"{of} has `{first}`" for of, (first, *_) in _YAML_KEYS.items())
             names = shortened_list([key.text for key in keys])

@@ -33,7 +33,7 @@ class MonitorNode:
         return [topic for topic in self.publications if topic.of != STATUS or topic.path]
 
     @cached_property
-    def heard(self) -> list[SimulatorOutput]:
+    def subscribed(self) -> list[SimulatorOutput]:
         """Return the topics of this robot that an input requires, in the configuration's order."""
         return [source for source in self._required if source.peers is None]
 
@@ -86,7 +86,7 @@ class MonitorNode:
                     "more": (", every_message=True" if source.id in taken_each else "")
                     + (_qos(source.qos, ", ") if has_qos else ""),
                 }
-                for source in self.heard
+                for source in self.subscribed
             ],
             "publications": [
                 self._publication(publication, class_of, has_qos) for publication in self.published
@@ -150,12 +150,12 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
     """
     monitor, config = node.monitor, node.config
     yield from check_fleet(monitor, config)
-    heard = {monitor.topic(entry.topic) for entry in config.config.SimulatorOutputs}
+    read = {monitor.topic(entry.topic) for entry in config.config.SimulatorOutputs}
     first: dict[str, Publication] = {}
     for publication in node.published:
         written, place, hint = publication.output.topic, publication.place, _OF_ITS_OWN
         topic = monitor.topic(written)
-        if topic in heard:
+        if topic in read:
             yield problem("K031.own_output", place, written=written)
         other = first.setdefault(topic, publication)
         is_below = publication.of and not publication.path

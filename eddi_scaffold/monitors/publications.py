@@ -117,11 +117,7 @@ def _output(name: str, topic: str) -> OutputEntry:
 
 
 def _value_at(path: field_paths.FieldPath, message: str) -> field_paths.ResolvedPath:
-    """Return a path with its keys; a single value is at its end.
-
-    Raises:
-        FieldPathError: the message has no such field, or the path ends too early or too late.
-    """
+    """Return a path with its keys; FieldPathError where no single value is at its end."""
     resolved = field_paths.resolve(path, message, known_messages().get)
     if resolved.type not in _OF_STD_MSGS:
         raise field_paths.FieldPathError(f"the path ends at {resolved.type}, not at a single value")

@@ -44,10 +44,10 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
     if fed and any(claim.hold_s > 0.0 for claim in monitor.facts.claims):
         yield problem("K083.filter", config.place("Model", "filter"))
     peers = {entry.id for entry in config.config.SimulatorOutputs if entry.peers}
-    words = {attribute(id_) for id_ in (*peers, *fed)}
+    robot_names = {attribute(id_) for id_ in (*peers, *fed)}
     order = [entry.id for entry in config.config.EDDIInputs]
     for input_ in monitor.inputs if fed else ():
-        name, operation = input_.model.id, _remembering(input_.computed or {}, words)
+        name, operation = input_.model.id, _remembering(input_.computed or {}, robot_names)
         if operation is not None:
             fields = {"remembering": operation.upper(), "model": name}
             place = config.place("EDDIInputs", order.index(name))
@@ -95,15 +95,15 @@ def _remembering(computed: Mapping[str, Any], names: Container[str]) -> str | No
     """Return the operation of an expression that outlives a word, ``None`` where none does."""
     for part in computed.get("parts", ()):
         program: Program = part["program"]
-        of_words: list[bool] = []
+        of_robots: list[bool] = []
         for operation in program.operations:
             is_read = operation.op in ("variable", "age")
-            of_words.append(
+            of_robots.append(
                 head_of(program.reads[operation.value].name) in names
                 if is_read
-                else any(of_words[arg] for arg in operation.args)
+                else any(of_robots[arg] for arg in operation.args)
             )
-            if of_words[-1] and operation.op in _OUTLIVING:
+            if of_robots[-1] and operation.op in _OUTLIVING:
                 return operation.op
     return None
 

@@ -17,7 +17,7 @@ from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.survey import foreign, survey, unread
 from eddi_scaffold.kinds import JsonValue, Model, kinds
 from eddi_scaffold.monitors.config_reading import read_file
-from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, is_mros, read_models
+from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, named_like_mros, read_models
 from eddi_scaffold.mros import (
     SYSTEM_SUFFIX,
     MrosSyntaxError,
@@ -35,7 +35,7 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
         document, problems = read_document(source)
         if document is None:
             return {"models": []}, problems
-        left_out = [one.as_json() for one in unread(document)]
+        left_out = [element.as_json() for element in unread(document)]
         return {**survey(document), "unread": left_out}, problems
     reading = read_models(source)
     models = [
@@ -62,7 +62,7 @@ class Shown:
 
 def mros_of(source: Source) -> Shown | None:
     """Return what is in a file of the MROS family; ``None`` for another file."""
-    if not is_mros(source):
+    if not named_like_mros(source.name):
         return None
     try:
         if source.name.endswith(SYSTEM_SUFFIX):
@@ -152,7 +152,7 @@ def _is_ours(path: Path) -> bool:
         source = read_source(path)
     except EddiError:
         return False
-    if is_mros(source) or any(kind.recognises(source) for kind in kinds().values()):
+    if named_like_mros(source.name) or any(kind.recognises(source) for kind in kinds().values()):
         return True
     if is_xml(source):
         document, _ = read_document(source)

@@ -104,7 +104,7 @@ def _remembered_types(config: ConfigFile, root: Path, former: Mapping[str, str])
     package = package_name(config.config.Model.id)
     folder = root / former.get(package, package)
     answers = read_answers(folder) or {}
-    with suppress(EddiError):  # told, if it matters, where the package is written
+    with suppress(EddiError):  # reported, if it matters, where the package is written
         check_answers(folder, answers)
         if text := answers.get("config_json"):
             return from_json(text, folder.name).config.MessageTypes
@@ -140,20 +140,20 @@ def assemble(
     renewed = {monitor.package for monitor in monitors}
     before = existing(root, renewed)
     present = {name: answers for name, answers in before.items() if name not in gone}
-    told = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
-    checked = [_cross_checked(monitor, told) for monitor in monitors]
+    reported = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
+    checked = [_cross_checked(monitor, reported) for monitor in monitors]
     packages, package_problems = packages_of(checked, platform, root)
-    told += package_problems
+    reported += package_problems
     if packages and any(monitor.config is None for monitor in monitors):
-        told += [
+        reported += [
             problem("G001.had_configuration", Place(str(root / name)))
             for name, answers in before.items()
             if (name in renewed or name in gone) and answers.get("config_json")
         ]
     if packages and chosen.get(SINGLE_PROCESS) and SINGLE_PROCESS not in packages[0].answers:
-        told.append(problem("G000.single_process", platform=platform.name))
-    if has_errors(told):
-        raise EddiError(*told)
+        reported.append(problem("G000.single_process", platform=platform.name))
+    if has_errors(reported):
+        raise EddiError(*reported)
     folders = [package.folder for package in packages]
     sharing = platform.templates.monitor if platform.templates.support else None
     companions = {name: of for name, of in present.items() if of["template"] == sharing}
@@ -170,8 +170,8 @@ def assemble(
     ]
     made = {package.folder: package.answers for package in packages}
     shared = support(platform, root, before, made, gone)
-    told = without_written_inputs(told, lambda package: [root / package])
-    return PackagePlan([*packages, *shared], folders, told, before)
+    reported = without_written_inputs(reported, lambda package: [root / package])
+    return PackagePlan([*packages, *shared], folders, reported, before)
 
 
 def with_choices(package: PackageAnswers, chosen: Sequence[Mapping[str, Any]]) -> PackageAnswers:

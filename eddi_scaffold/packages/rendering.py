@@ -142,7 +142,7 @@ class Renderer:
         from copier.errors import CopierError  # noqa: PLC0415
         from plumbum import local  # noqa: PLC0415
 
-        with warnings.catch_warnings(record=True) as caught, local.env(PATH=os.devnull):
+        with warnings.catch_warnings(record=True) as raised, local.env(PATH=os.devnull):
             warnings.simplefilter("always")
             try:
                 self._run(dict(answers), folder)
@@ -153,7 +153,7 @@ class Renderer:
         known = {} if commit is None else {"_commit": commit}
         origin = dump_11({**known, "_src_path": self.template.location})
         file.write_text(_ORIGIN.sub(lambda _: origin, file.read_text("utf-8"), count=1), "utf-8")
-        of_copier = (told for told in caught if told.category.__module__.startswith("copier"))
+        of_copier = (caught for caught in raised if caught.category.__module__.startswith("copier"))
         return sorted({str(warning.message) for warning in of_copier})
 
     def _run(self, answers: dict[str, Any], folder: Path) -> None:

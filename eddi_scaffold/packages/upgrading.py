@@ -136,11 +136,11 @@ def _group(root: Path, packages: Sequence[Path]) -> PackageGroup:
 
 
 def refuse_for_several(
-    found: Sequence[PackageGroup], model: Path | None, configs: Sequence[Path]
+    chosen: Sequence[PackageGroup], model: Path | None, configs: Sequence[Path]
 ) -> None:
     """Refuse (U009) a newer input for several robots: others rely on its digest."""
-    if found[0].robot and (model is not None or configs):
-        names = ", ".join(dict.fromkeys(group.robot for group in found))
+    if chosen[0].robot and (model is not None or configs):
+        names = ", ".join(dict.fromkeys(group.robot for group in chosen))
         place = Place(str(model if model is not None else configs[0]))
         raise EddiError(problem("U009", place, names=names))
 

@@ -90,7 +90,7 @@ def definitions_of(
         entry.type: node.config.place("SimulatorOutputs", index, "type")
         for index, entry in enumerate(node.config.config.SimulatorOutputs)
     }
-    types = [topic.type for topic in node.heard] + [topic.type for topic in node.publications]
+    types = [topic.type for topic in node.subscribed] + [topic.type for topic in node.publications]
     for type_ in dict.fromkeys([*types, *node.between_robots.values()]):
         names, place = list(with_parts(type_, known)), places.get(type_, Place())
         parts |= {name: known[name] for name in names if name in known and name not in parts}

@@ -14,7 +14,7 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
 from eddi_scaffold.monitors.message_types import known_messages
-from eddi_scaffold.platforms import PackageAnswers, ros_packages
+from eddi_scaffold.platforms import Choices, PackageAnswers, ros_packages
 from eddi_scaffold.program.runtime_parts import HOST
 
 METAPACKAGE = "eddi_monitor"
@@ -40,10 +40,7 @@ MONITOR, MESSAGES, META, LAUNCHER, RUNTIME = (
 def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     """Return the answers of one monitor package."""
     known = known_types(monitor.config, known_messages())
-    choices: platforms.Choices = {
-        platforms.RUNTIME: platforms.VENDORED,
-        platforms.SINGLE_PROCESS: False,
-    }
+    choices: Choices = {platforms.RUNTIME: platforms.VENDORED, platforms.SINGLE_PROCESS: False}
     package, _, problems = ros_packages.monitor_package(monitor, known, MONITOR, "src/", choices)
     return package, problems
 
@@ -51,12 +48,9 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
 def support_answers(monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
     """Return the answers of messages, launcher, metapackage, and of the runtime if one needs it."""
     single = all(monitor.get(platforms.SINGLE_PROCESS) is True for monitor in monitors.values())
-    messages, *others = ros_packages.support_packages(
-        monitors,
-        (MESSAGES, LAUNCHER, RUNTIME),
-        {"single_process": single},
-        [HOST] if single else (),
-    )
+    templates, host = (MESSAGES, LAUNCHER, RUNTIME), [HOST] if single else ()
+    launcher = {"single_process": single}
+    messages, *others = ros_packages.support_packages(monitors, templates, launcher, host)
     meta = ros_packages.package_answers(
         META,
         METAPACKAGE,

@@ -39,13 +39,12 @@ def _check_topics(node: MonitorNode) -> Iterator[Problem]:
     }
     used = [
         *(topic.output.topic for topic in node.publications),
-        *(topic.topic for topic in node.heard),
+        *(topic.topic for topic in node.subscribed),
     ]
     for topic in dict.fromkeys([*used, *node.between_robots]):
         if any(part[:1].isdigit() for part in topic.lstrip("~").split("/")):
-            yield problem(
-                "K003.ros2_name", places.get(topic, node.config.place("Model")), key=topic
-            )
+            place = places.get(topic, node.config.place("Model"))
+            yield problem("K003.ros2_name", place, key=topic)
 
 
 def support_answers(monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -197,30 +196,14 @@ def package_answers(
     return answers
 
 
-def runtime_parts(monitors: Mapping[str, Mapping[str, JsonValue]]) -> set[str]:
-    """Return the parts of the runtime that monitors need."""
-    return {part for answers in monitors.values() for part in _parts(answers)}
-
-
-def _parts(answers: Mapping[str, JsonValue]) -> Sequence[str]:
-    needed = runtime_parts_of(str(answers["compiled"]))
-    asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}
-    return with_needed([*needed, *(part for name, part in asked.items() if answers.get(name))])
-
-
 _OURS = frozenset({"Input", "Output", "RosNode", "EDDIInput", "EDDIMonitor", "MonitorNode"})
 
 
 def classes_of(node: MonitorNode) -> dict[str, str]:
     """Return message type -> Python name of its class; whole messages of ours keep their module."""
     values = [topic.type for topic in node.published if topic.path]
-    classes = _class_names([*(source.type for source in node.heard), *values])
+    classes = _class_names([*(source.type for source in node.subscribed), *values])
     return classes | {p.type: _in_module(p.type) for p in node.published if not p.path}
-
-
-def class_of(type_: str, classes: Mapping[str, str]) -> str:
-    """Return the Python name of a message class."""
-    return classes.get(type_, _in_module(type_))
 
 
 def _in_module(type_: str) -> str:
@@ -318,10 +301,10 @@ def monitor_package(
     answers["message_packages"] = sorted(packages)
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
     answers["message_imports"] = [*imports_of(classes)]
-    answers |= node.answers(partial(class_of, classes=classes), has_qos=is_ros2)
+    answers |= node.answers(lambda of: classes.get(of, _in_module(of)), has_qos=is_ros2)
     if is_ros2:
         answers["lifecycle"] = node.config.config.Model.lifecycle
-    answers["interfaces"] = interfaces_of(node.publications, node.heard, node.between_robots)
+    answers["interfaces"] = interfaces_of(node.publications, node.subscribed, node.between_robots)
     package = PackageAnswers(monitor.package, answers, files)
     return package, node, [*problems, *problems_of_node]
 
@@ -356,6 +339,11 @@ def support_packages(
         package(1, LAUNCHER, start, **nodes),
     ]
     if runtime_of(monitors) == VENDORED:
-        title, needed = "Runtime library of the EDDI monitors", runtime_parts(monitors) | {*parts}
+        needed = {*parts}
+        for answers in monitors.values():
+            asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}.items()
+            more = [part for name, part in asked if answers.get(name)]
+            needed |= {*with_needed([*runtime_parts_of(str(answers["compiled"])), *more])}
+        title = "Runtime library of the EDDI monitors"
         packages.append(package(2, RUNTIME, title, parts=sorted(needed)))
     return packages

@@ -97,11 +97,26 @@ def scaffold(
     )
 
 
+def generate(place: Path, letter: str, *words: object, status: int = 0) -> Result:
+    """Generate a monitor of the example into a workspace."""
+    files = ("-m", EXAMPLE / "two_conserts.xml", "-c", EXAMPLE / f"consert_{letter}_config.yml")
+    done = run("generate", "-w", place, *files, *words, cwd=place)
+    assert done.status == status, done.err
+    return done
+
+
 def example(folder: Path) -> Path:
     """Put the files of the example into a folder."""
     for file in (path for path in EXAMPLE.iterdir() if path.is_file()):
         shutil.copy(file, folder / file.name)
     return folder
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    """Replace a text of a file that must be there."""
+    text = path.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), "utf-8")
 
 
 def files_below(folder: Path) -> dict[str, bytes]:

@@ -73,13 +73,3 @@ def test_help_and_version_may_be_words(cart: Path) -> None:
         assert run(word, cwd=cart) == run(f"--{word}", cwd=cart)
     assert run("help", "show", cwd=cart) == run("show", "--help", cwd=cart)
     assert run("help", cwd=cart).status == 0
-
-
-def test_a_type_of_another_language_is_named(cart: Path) -> None:
-    (cart / "typed.yml").write_text(
-        f"{CONFIG}MessageTypes: {{my_msgs.W: {{force: 'double[3]'}}}}\n"
-    )
-    refused = run("check", "typed.yml", cwd=cart)
-    assert "'double' is no type of ROS messages; write float64[3] [K003]" in refused.err
-    (cart / "typed.yml").write_text(f"{CONFIG}MessageTypes: {{my_msgs.W: {{force: float64}}}}\n")
-    assert run("check", "typed.yml", cwd=cart).status == 0

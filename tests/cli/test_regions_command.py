@@ -2,12 +2,13 @@
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from eddi_scaffold import api
-from tests.cli.command import EXAMPLE, ROOT, example, run
+from tests.cli.command import EXAMPLE, ROOT, edit, example, run
 
 FILE = "src/conserta/EDDIInput.py"
 BODY = "        self.RtE_A_E0 = RtE_E0.data\n"
@@ -20,53 +21,35 @@ def package(tmp_path: Path) -> Path:
     return place
 
 
-def edit(package: Path, old: str, new: str) -> None:
-    file = package / FILE
-    text = file.read_text("utf-8")
-    assert old in text
-    file.write_text(text.replace(old, new, 1), "utf-8")
-
-
 def listed(package: Path) -> dict[str, str]:
     found = json.loads(run("regions", package, "--json", cwd=package).out)["regions"]
     return {one["id"]: one["state"] for one in found if one["id"].startswith("process_")}
 
 
-def test_an_edited_body_is_told_from_an_untouched_one(package: Path) -> None:
+def test_an_edited_body_is_not_taken_for_an_untouched_one(package: Path) -> None:
     assert listed(package) == {"process_RtE_A_D0": "untouched", "process_RtE_A_E0": "untouched"}
-    edit(package, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
+    edit(package / FILE, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
     assert listed(package) == {"process_RtE_A_D0": "untouched", "process_RtE_A_E0": "edited"}
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 0
-    assert any(
-        line.split()[:2] == ["edited", "process_RtE_A_E0"] for line in shown.out.splitlines()
-    )
-
-
-def test_a_body_that_was_written_for_another_signature_is_looked_at_once(package: Path) -> None:
-    edit(package, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
-    edit(package, "for:81fdda7e", "for:00000000 now:07d2967b/81fdda7e")
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 3
-    accepted = run("regions", "--accept", "process_RtE_A_E0", "--check", cwd=package)
-    assert (accepted.status, accepted.err.strip()) == (0, "accepted process_RtE_A_E0")
     assert run("regions", "--check", cwd=package).status == 0
-    assert "not RtE_E0.data" in (package / FILE).read_text("utf-8")
 
 
-def test_a_broken_marker_is_looked_at(package: Path) -> None:
-    edit(package, "'''-----Manual edit end-----'''  # region: process_RtE_A_E0\n", "\n")
+DAMAGE: dict[str, Callable[[Path], object]] = {
+    "broken": lambda file: edit(
+        file, "'''-----Manual edit end-----'''  # region: process_RtE_A_E0\n", "\n"
+    ),
+    "outside": lambda file: edit(file, "def process_RtE_A_E0", "def process_RtE_A_EO"),
+    "missing": lambda file: file.unlink(),
+}
+"""A marker has gone; a method that would raise in each step; hand edits are gone."""
+
+
+@pytest.mark.parametrize("state", DAMAGE)
+def test_what_is_lost_is_looked_at(state: str, package: Path) -> None:
+    assert run("regions", "--check", cwd=package).status == 0
+    DAMAGE[state](package / FILE)
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 3
-    assert any(line.startswith("broken") for line in shown.out.splitlines())
-
-
-def test_a_renamed_method_is_looked_at(package: Path) -> None:
-    """In every step it would raise."""
-    edit(package, "def process_RtE_A_E0", "def process_RtE_A_EO")
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 3
-    assert f"outside     {FILE}\n" in shown.out
+    assert any(line.startswith(state) and FILE in line for line in shown.out.splitlines())
 
 
 def test_what_is_written_by_hand_is_no_longer_called_for(tmp_path: Path) -> None:
@@ -111,23 +94,10 @@ def test_a_network_that_nothing_feeds_calls_for_its_methods(tmp_path: Path) -> N
     file = Path("out/pedestrian_prediction_example/bayesian_network_config.py")
     made = run(*generate, "bare.yml", cwd=tmp_path)
     assert made.status == 0, made.err
-    lines = [*made.out.splitlines(), *made.err.splitlines()]
-    assert sum(line.strip().startswith(f"write this node: {file}:") for line in lines) == 2
-    whole = (tmp_path / file).read_text("utf-8")
-    name, _, _ = whole.partition("        pass\n")
-    written = whole.replace("        pass\n", "        outcome_NotDriving = 1.0\n", 1)
-    assert "def node_AV_Shuttle_Speed" in name
-    (tmp_path / file).write_text(written, "utf-8")
+    assert f"{made.out}{made.err}".count(f"  write this node: {file}:") == 2
+    text = (tmp_path / file).read_text("utf-8")
+    (tmp_path / file).write_text(text.replace("   pass\n", "   outcome_NotDriving = 1.0\n", 1))
     assert "K050" not in run(*check, cwd=tmp_path).err
     # with a declaration nothing is left to a person
     shutil.copy(pedestrian / "eddi_config.yml", tmp_path)
     assert "K050" not in run("check", "pedestrian.xml", "eddi_config.yml", cwd=tmp_path).err
-
-
-def test_an_editable_file_that_is_missing_is_looked_at(package: Path) -> None:
-    """With it its hand edits are gone, and CI saw nothing."""
-    assert run("regions", "--check", cwd=package).status == 0
-    (package / FILE).unlink()
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 3
-    assert f"missing     {FILE}\n" in shown.out

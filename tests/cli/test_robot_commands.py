@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.command import ROOT, run
+from tests.cli.command import ROOT, edit, run
 
 SYSTEM, NODES, CONFIG, MODEL = "rover.rossystem", "nodes", "eddi_config.yml", "Rover.yml"
-CHECK = ("check", MODEL, CONFIG, SYSTEM, "--models", NODES)
 LASER = "nodes/laser_driver.ros1"
 
 
@@ -24,25 +23,8 @@ def robot(tmp_path: Path) -> Path:
     return folder
 
 
-def edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text("utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new), "utf-8")
-
-
 def codes(text: str) -> list[str]:
     return re.findall(r"\[([A-Z]\d+)\]", text)
-
-
-def test_a_model_is_shown_with_what_was_not_read(robot: Path) -> None:
-    shown = run("show", "nodes/rover_msgs.ros", cwd=robot)
-    assert shown.out.splitlines() == [
-        "package rover_msgs", "  topic Charge", "    message: float32 level"
-    ]  # fmt: skip
-    edit(robot / LASER, "node: laser", "nod: laser")
-    shown = run("show", LASER, cwd=robot)
-    assert (shown.status, codes(shown.err)) == (1, ["M006"])
-    assert shown.out.splitlines() == ["package laser_driver", "  artifact laser_node"]
 
 
 def test_what_cannot_be_read_is_bad_input(robot: Path) -> None:
@@ -54,60 +36,11 @@ def test_what_cannot_be_read_is_bad_input(robot: Path) -> None:
     assert (shown.status, problem["code"], problem["file"]) == (2, "M001", SYSTEM)
 
 
-def test_a_configuration_is_checked_against_the_system(robot: Path) -> None:
-    checked = run(*CHECK, "nodes/rover_msgs.ros", cwd=robot)
-    assert (checked.status, codes(checked.err)) == (0, [])
-    edit(robot / CONFIG, "topic: /odom", "topic: /odm")
-    edit(robot / CONFIG, "type: std_msgs.Bool", "type: std_msgs.Float64")
-    checked = run(*CHECK, cwd=robot)
-    assert checked.status == 1
-    assert "/front/clear is a std_msgs/Bool in rover.rossystem [K040]" in checked.err
-    assert "no node of rover.rossystem has the topic /odm [K040]" in checked.err
-    assert "hint: did you mean '/odom'?" in checked.err
-
-
 def test_without_node_models_a_system_is_only_read(robot: Path) -> None:
     edit(robot / SYSTEM, '"laser_driver.laser"', '"lost.laser"')
     assert run("check", SYSTEM, cwd=robot).status == 0
     checked = run("check", SYSTEM, "--models", NODES, cwd=robot)
     assert (checked.status, codes(checked.err)[:1]) == (1, ["M007"])
-
-
-def test_every_damaged_file_is_told(robot: Path) -> None:
-    edit(robot / LASER, "scan:", "scan")
-    (robot / "gone.ros1").symlink_to("nowhere")
-    checked = run("check", LASER, "gone.ros1", SYSTEM, "--models", NODES, cwd=robot)
-    assert checked.status == 1
-    assert {"M001", "F001"} <= set(codes(checked.err))
-    assert f"{LASER}:6:" in checked.err
-
-
-def test_a_monitor_is_generated_with_the_topics_of_the_system(robot: Path) -> None:
-    """The configuration as it is shipped has none; what does not resolve is only a warning."""
-    shutil.copy(ROOT / "examples" / "robot-models" / CONFIG, robot / CONFIG)
-    words = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
-    (robot / "ws" / "src").mkdir(parents=True)
-    assert codes(run(*words, cwd=robot).err) == ["K007"] * 3
-    assert codes(run(*words, "--system", SYSTEM, cwd=robot).err) == ["G017"]
-    edit(robot / SYSTEM, '"laser_driver.laser"', '"lost.laser"')
-    models = ("--models", NODES)
-    refused = run(*words, "--system", SYSTEM, *models, cwd=robot)
-    assert (refused.status, codes(refused.err)) == (2, ["K007", "M007"])
-    edit(robot / SYSTEM, '"lost.laser"', '"laser_driver.laser"')
-    edit(robot / SYSTEM, "battery_node::charge", "battery_node::chrge")
-    edit(robot / CONFIG, "[charge]", "[battery]")
-    edit(
-        robot / CONFIG,
-        "EDDIInputs:",
-        "SimulatorOutputs: [{id: battery, type: rover_msgs.Charge, topic: /b}]\nEDDIInputs:",
-    )
-    written = run(*words, "--system", SYSTEM, *models, cwd=robot)
-    assert (written.status, codes(written.err)) == (0, ["M009"])
-    node = (robot / "ws/src/eddi_monitor/rover/scripts/RosNode.py").read_text("utf-8")
-    assert re.findall("Input\\('(.*)', '(.*)', (.*)\\)", node) == [
-        ("clear", "/front/clear", "Bool"), ("odometry", "/odom", "Odometry"),
-        ("battery", "/b", "Charge"),
-    ]  # fmt: skip
 
 
 def test_message_types_of_the_robots_models_stay_known(robot: Path) -> None:

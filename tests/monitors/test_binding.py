@@ -5,6 +5,7 @@ import pytest
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import ModelInput
+from eddi_scaffold.monitors.answers import files_of, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.config_reading import read_config
@@ -203,3 +204,31 @@ def test_a_unit_that_contradicts_the_message_is_an_error(
 def test_an_expression_has_a_unit_as_well() -> None:
     ((_, message, _),) = said("expression: 'MIN(scan.ranges[*])'", "km")
     assert message == "MIN(scan.ranges[*]) is in m, 'Clearance' in km"
+
+
+def test_another_unit_asks_for_a_look_and_stands_in_the_comment() -> None:
+    metric, road = (
+        shared_answers(sound(f"requires: [lidar], unit: {unit}"), "x", {})["inputs"][0]
+        for unit in ("m", "km")
+    )
+    assert metric["region_begin"] != road["region_begin"]
+    (comment,) = metric["comments"]
+    assert road["comments"] == [comment.replace("in m,", "in km (converted to m),")]
+
+
+@pytest.mark.parametrize(
+    ("comment", "files"),
+    [
+        ("-----Manual edit begin----- of a person", {}),
+        ("plain", {"s.events": b"// plain\nVAR v : NUMBER TIMEOUT 1s\nEVENT Slow := v < 1\n"}),
+    ],
+)
+def test_a_text_with_marks_of_regions_does_not_travel(
+    comment: str, files: dict[str, bytes]
+) -> None:
+    """It would take the place of what a person wrote, or damage the package."""
+    events = f"// {comment}\r\nVAR v : NUMBER TIMEOUT 1s  \r\nEVENT Slow := v < 1\r\n"
+    (model,) = read_models(Source("s.events", events.encode())).models
+    monitor, problems = monitor_of(model, None)
+    assert monitor is not None, problems
+    assert files_of(monitor) == files

@@ -43,6 +43,12 @@ EDDIOutputs:
 """
 
 
+def sound(result: tuple[BoundMonitor | None, list[Problem]]) -> BoundMonitor:
+    monitor, problems = result
+    assert monitor is not None, problems
+    return monitor
+
+
 def bound(monitor: BoundMonitor) -> EDDIInputBase:
     eddi_input = EDDIInputBase()
     specs = monitor.compiled.monitor(monitor.id).inputs
@@ -74,9 +80,7 @@ def test_an_expression_needs_no_requires_and_no_code() -> None:
 
 
 def test_missing_stale_and_nan_are_unknown() -> None:
-    monitor, problems = joined(config('expression: "battery.percentage > 0.2"'))
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
+    eddi_input = bound(sound(joined(config('expression: "battery.percentage > 0.2"'))))
     good = SimpleNamespace(percentage=0.5)
     name = "BatteryIsFine"
     assert step(eddi_input, name, 0, {}) is None
@@ -94,9 +98,7 @@ def test_another_input_may_be_named() -> None:
     text = config(
         'expression: "battery.present"', 'expression: "BatteryIsFine AND motor.data < 80"'
     )
-    monitor, problems = joined(text)
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
+    eddi_input = bound(sound(joined(text)))
     messages = {"battery": SimpleNamespace(present=True), "motor": SimpleNamespace(data=20.0)}
     assert step(eddi_input, "BatteryIsFine", 0, {}, **messages) is True
     assert step(eddi_input, "MotorIsCool", 0, {}, **messages) is True
@@ -173,8 +175,7 @@ def test_the_configuration_says_what_the_event_does_not(tmp_path: Path) -> None:
 
 
 def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
-    monitor, problems = from_file(tmp_path, "\n    event: cool")
-    assert monitor is not None, problems
+    monitor = sound(from_file(tmp_path, "\n    event: cool"))
     assert monitor.config is not None
     (tmp_path / "safety.events").unlink()
     again = from_json(monitor.config.as_json(), "the configuration that rover remembers")
@@ -214,18 +215,12 @@ def test_what_is_wrong_with_a_file_and_where(
     assert words in f"{found.message}; {found.hint}"
 
 
-def test_a_file_that_cannot_be_read_is_said_at_its_name(tmp_path: Path) -> None:
-    entry = "expression_file: safty.events"
-    (tmp_path / "safety.events").write_text(SAFETY, encoding="utf-8")
-    monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
-    assert monitor is None
-    assert (problem.code, problem.place.line, problem.place.col) == ("F001", 9, 22)
-    assert problem.message == "'safty.events': cannot read the file: No such file or directory"
-    assert problem.hint == "did you mean 'safety.events'?"
+def test_a_file_that_is_no_text_is_reported_in_its_place(tmp_path: Path) -> None:
     (tmp_path / "safty.events").write_bytes(b"x > 1\n// \xe9")
-    monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
-    assert (problem.code, problem.place.file) == ("E001", str(tmp_path / "safty.events"))
-    assert problem.place.line == 2
+    entry = "expression_file: safty.events"
+    _, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
+    place = problem.place
+    assert (problem.code, place.file, place.line) == ("E001", str(tmp_path / "safty.events"), 2)
 
 
 KEYED = """  - {id: seen, type: eddi_messages.BayesianNetworkOutput, topic: /seen, max_age: 1}
@@ -240,9 +235,9 @@ def outcome(name: str, value: float) -> SimpleNamespace:
 def test_elements_are_taken_by_their_keys_and_never_by_their_place() -> None:
     path = "seen.output_nodes[Collision].outcomes[High].outcome_value"
     gripper = "ABS(joints.position[gripper]) < 0.05"
-    monitor, problems = joined(config(f"expression: {path} < 0.2", f"expression: {gripper}", KEYED))
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
+    eddi_input = bound(
+        sound(joined(config(f"expression: {path} < 0.2", f"expression: {gripper}", KEYED)))
+    )
     others = [outcome("Low", 0.9), outcome("High", 0.1)]
     nodes = [
         SimpleNamespace(title="Speed", outcomes=others[::-1]),
@@ -282,8 +277,7 @@ def test_a_key_that_no_field_is_is_an_error(text: str, message: str) -> None:
 def test_keys_of_names_that_a_var_declares() -> None:
     more = "  - {id: mine, type: my_msgs.Mine, topic: /mine, max_age: 1}\n"
     declared = 'declarations: ["VAR mine.items[front].good : BOOL"]\n'
-    monitor, problems = joined(config('expression: "mine.items[front].good"', more=more + declared))
-    assert monitor is not None, problems
+    monitor = sound(joined(config('expression: "mine.items[front].good"', more=more + declared)))
     items = [SimpleNamespace(id="rear", good=False), SimpleNamespace(id="front", good=True)]
     mine = SimpleNamespace(items=items)
     assert step(bound(monitor), "BatteryIsFine", 0, {}, mine=mine) is True
@@ -329,16 +323,13 @@ INF, NAN = float("inf"), float("nan")
     ],
 )
 def test_scans(expression: str, ranges: tuple[float, ...], wanted: bool | None) -> None:
-    monitor, problems = joined(config(f'expression: "{expression}"', more=SCAN))
-    assert monitor is not None, problems
+    monitor = sound(joined(config(f'expression: "{expression}"', more=SCAN)))
     assert step(bound(monitor), "BatteryIsFine", 0, {}, scan=scan_of(*ranges)) is wanted
 
 
 def test_the_status_says_why_a_list_gives_nothing() -> None:
     text = config('expression: "MIN(scan.ranges[*], LENGTH 3) > 1"', more=SCAN)
-    monitor, problems = joined(text)
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
+    eddi_input = bound(sound(joined(text)))
     for t, scan, reason in (
         (0, scan_of(5.0, NAN, NAN), "2 of 3 elements are not known"),
         (1, scan_of(5.0), "1 elements instead of 3"),
@@ -367,8 +358,7 @@ def test_what_the_documentation_calls_no_measurement(
     source: str, expression: str, fields: dict[str, Any], wanted: bool | None
 ) -> None:
     more = f"  - {{id: x, type: sensor_msgs.{source}, topic: /x, max_age: 1}}\n"
-    monitor, problems = joined(config(f'expression: "{expression}"', more=more))
-    assert monitor is not None, problems
+    monitor = sound(joined(config(f'expression: "{expression}"', more=more)))
     message = SimpleNamespace(
         min_range=0.1,
         max_range=4.0,
@@ -384,11 +374,7 @@ def test_what_the_documentation_calls_no_measurement(
 @pytest.mark.parametrize(
     ("text", "code", "message"),
     [
-        (
-            "MIN(battery.cell_voltage[*], SECTOR -1 rad .. 1 rad) > 1",
-            "K020",
-            "no field 'angle_min'",
-        ),
+        ("MIN(battery.cell_voltage[*], SECTOR -1 rad .. 1 rad) > 1", "K020", "'angle_min'"),
         ("MIN(scan.ranges[*]) > 1 s", "E009", "m (length) and s (time) do not go together"),
         ("MIN(scan.header[*]) > 1", "K020", "is not a list"),
         ("scan.ranges > 1", "K020", "is a float[]"),

@@ -14,6 +14,7 @@ from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.platforms import platforms
 from tests.checkouts import checkout, tree
+from tests.cli.command import edit
 
 pytestmark = pytest.mark.slow
 
@@ -51,12 +52,6 @@ def generated(template: Template, tmp_path_factory: pytest.TempPathFactory) -> P
 @pytest.fixture
 def root(generated: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(generated, tmp_path / "ws"))
-
-
-def edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text("utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new), "utf-8")
 
 
 def test_nothing_is_rendered_twice(template: Template, root: Path) -> None:

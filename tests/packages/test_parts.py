@@ -70,18 +70,6 @@ def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
     assert not [one for one in list_regions(packages / "eddi_runtime") if one.review]
 
 
-@pytest.mark.slow
-def test_a_message_that_is_listened_to_is_there(tmp_path: Path) -> None:
-    (tmp_path / "src").mkdir()
-    config = (EXAMPLES / "two-conserts" / "consert_a_config.yml").read_text("utf-8")
-    config = config.replace("std_msgs.Bool", "eddi_messages.SafeMLStatus")
-    (tmp_path / "config.yml").write_text(config)
-    model = EXAMPLES / "two-conserts" / "two_conserts.xml"
-    done = run("generate", "-w", ".", "-m", model, "-c", "config.yml", cwd=tmp_path)
-    assert done.status == 0, done.err
-    assert messages(tmp_path / "src" / "eddi_monitor") == {*OWN, "SafeMLStatus"}
-
-
 def template() -> Any:
     return jinja2.Template((ROOT / "copier_templates" / "parts.jinja").read_text("utf-8")).module
 

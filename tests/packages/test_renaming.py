@@ -9,7 +9,7 @@ import pytest
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.renaming import Renames
-from tests.cli.command import example, files_below, run
+from tests.cli.command import edit, example, files_below, run
 from tests.diagnosed import assert_reported
 from tests.updates.templates import git
 
@@ -46,12 +46,6 @@ def renamed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def folder(renamed: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(renamed, tmp_path / "clone"))
-
-
-def edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new))
 
 
 def test_the_same_topic_of_two_packages_is_told(folder: Path) -> None:

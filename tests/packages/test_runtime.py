@@ -1,4 +1,4 @@
-"""The runtime library lies beside the monitors, or is a distribution that is installed."""
+"""Where the runtime library is, and whether one process runs all monitors of a workspace."""
 
 from __future__ import annotations
 
@@ -10,20 +10,14 @@ import pytest
 import yaml
 from eddi_runtime import __version__
 
-from tests.cli.command import EXAMPLE, ROOT, Result, run
+from eddi_scaffold.program.runtime_parts import HOST
+from tests.cli.command import EXAMPLE, ROOT, generate, run
 
 RUNTIME = "eddi_runtime"
 MODEL = EXAMPLE / "two_conserts.xml"
 KEY = "<exec_depend>python3-eddi-runtime-pip</exec_depend>"
 MINE = "        self.RtE_A_E0 = RtE_E0.data is True\n"
 pytestmark = pytest.mark.slow
-
-
-def generate(place: Path, letter: str, *words: str, status: int = 0) -> Result:
-    config = EXAMPLE / f"consert_{letter}_config.yml"
-    done = run("generate", "-w", place, "-m", MODEL, "-c", config, *words, cwd=place)
-    assert done.status == status, done.err
-    return done
 
 
 def plain(place: Path, *words: str) -> Path:
@@ -154,3 +148,41 @@ def test_the_templates_ask_for_this_version() -> None:
     assert jinja2.Template(yaml.safe_load(text)["runtime_version"]["default"]).render() == (
         __version__
     )
+
+
+def own_files(packages: Path) -> dict[str, str]:
+    """Return the texts that one process adds or changes, without records."""
+    host = f"src/eddi_runtime/{HOST}.py"
+    names = ("launch/eddi.launch", "CMakeLists.txt", "scripts/*.py", "src/*/RosNode.py", host)
+    found = (path for name in names for path in packages.glob(f"*/{name}"))
+    return {path.relative_to(packages).as_posix(): path.read_text("utf-8") for path in found}
+
+
+def test_one_process_comes_and_goes_for_all_monitors(packages: Path) -> None:
+    place, separate = packages.parents[1], own_files(packages)
+    generate(place, "b", "--single-process")
+    joined = own_files(packages)
+    added = {f"{name}/src/{name}/RosNode.py" for name in ("conserta", "consertb")}
+    added |= {f"eddi_runtime/src/eddi_runtime/{HOST}.py"}
+    added |= {"eddi_monitor_launcher/scripts/EDDIMonitors.py"}
+    assert added <= joined.keys() - separate.keys()
+    launch = packages / "eddi_monitor_launcher" / "launch" / "eddi.launch"
+    text = launch.read_text("utf-8")
+    assert ('type="EDDIMonitors.py"' in text, "include" in text) == (True, False)
+    program = joined["eddi_monitor_launcher/scripts/EDDIMonitors.py"]
+    assert program.count("    from conserta import RosNode\n") == 1
+    assert "class RosNode(MonitorNode)" in joined["conserta/src/conserta/RosNode.py"]
+    assert "class" not in joined["conserta/scripts/RosNode.py"]
+
+    generate(place, "a")  # it is remembered
+    assert run("upgrade", "-w", place, "-m", MODEL, cwd=place).status == 0
+    assert run("status", "-w", place, cwd=place).status == 0
+    assert own_files(packages) == joined
+
+    generate(place, "a", "--separate-processes")
+    back = own_files(packages)
+    assert all(back[name] == separate[name] for name in separate if "launcher" not in name)
+    assert not back.keys() & added
+    assert launch.read_text("utf-8").count("<include") == 2
+    code = packages / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    assert code.read_text("utf-8").count(MINE) == 1

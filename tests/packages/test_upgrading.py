@@ -38,36 +38,15 @@ def generated(folder: Path, model: Path, marks: tuple[str, ...] = ()) -> None:
     write_packages(folder, assemble(monitors, platform, folder, problems).packages, own_template())
 
 
-@pytest.fixture
-def workspace(tmp_path: Path) -> Path:
-    folder = tmp_path / "packages"
+def test_a_file_with_one_of_the_models_leaves_the_others_alone(tmp_path: Path) -> None:
+    folder, newer = tmp_path / "packages", tmp_path / "newer.xml"
     generated(folder, EXAMPLE)
-    return folder
-
-
-def test_a_file_with_one_of_the_models_leaves_the_others_alone(
-    workspace: Path, tmp_path: Path
-) -> None:
-    text = EXAMPLE.read_text()
-    newer = tmp_path / "newer.xml"
-    newer.write_text(text.replace('name="ConSertB"', 'name="Other"'))
-    (group,) = groups(workspace, [])
+    newer.write_text(EXAMPLE.read_text().replace('name="ConSertB"', 'name="Other"'))
+    (group,) = groups(folder, [])
     packages, problems = targets(group, newer, [])
     files = {package.folder: package.answers["model_file"] for package in packages}
     assert files == {"conserta": "newer.xml", "consertb": "two_conserts.xml"}
     assert [p.code for p in problems if p.level != "info"] == []
-
-
-def test_a_model_that_has_gone_from_its_own_file_is_told(workspace: Path, tmp_path: Path) -> None:
-    newer = tmp_path / EXAMPLE.name
-    newer.write_text(EXAMPLE.read_text().replace('name="ConSertB"', 'name="Other"'))
-    (group,) = groups(workspace, [])
-    packages, problems = targets(group, newer, [])
-    assert {package.folder for package in packages} == {"conserta", "consertb"}
-    (told,) = [p for p in problems if p.code == "U007"]
-    assert told.message == (
-        "there is no model 'ConSertB' any more: the package consertb stays as it is"
-    )
 
 
 def test_the_marks_of_the_first_reading_are_remembered(tmp_path: Path) -> None:

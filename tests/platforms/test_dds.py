@@ -12,6 +12,7 @@ from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.platforms.dds import type_hash
 from tests.cli.command import run
+from tests.diagnosed import assert_reported
 
 CONTRACT = Path(__file__).parents[1] / "contract"
 MODEL, CONFIG = CONTRACT / "rover.yml", CONTRACT / "rover_config.yml"
@@ -61,46 +62,28 @@ def spelt(of: tuple) -> str:
     return f"{spelt(item)}[{length}]" if kind == 3 else f"{spelt(item)}[]"
 
 
-def answers(tmp_path: Path, change: dict) -> tuple[dict, list[str]]:
+def test_a_definition_comes_after_those_that_it_is_made_of(tmp_path: Path) -> None:
+    parts = {"value": "float64"}
+    own = {"header": "Header", "one": "my_msgs/Part[2]", "age": "duration"}
     config = yaml.safe_load(CONFIG.read_text("utf-8"))
-    config["SimulatorOutputs"][1].update(type=change.pop("type"))
-    config["EDDIInputs"][1].update(field=change.pop("field"))
+    config["SimulatorOutputs"][1]["type"] = "my_msgs/Range"
+    config["EDDIInputs"][1]["field"] = "one[0].value"
+    config["MessageTypes"] = {"my_msgs/Range": own, "my_msgs/Part": parts}
     path = tmp_path / "config.yml"
-    path.write_text(yaml.safe_dump({**config, **change}, sort_keys=False), "utf-8")
+    path.write_text(yaml.safe_dump(config, sort_keys=False), "utf-8")
     (monitor,), _ = monitors_of(MODEL, [path])
     package, problems = platforms()["dds"].monitor(monitor)
-    return dict(package.answers), [f"{one.code} {one.message}" for one in problems]
-
-
-def test_the_next_steps_are_of_all_packages() -> None:
-    steps = platforms()["dds"].next_steps(Path("out"), ["arm", "cart"])
-    assert list(steps) == ["pip install out/arm out/cart", "arm", "cart"]
-
-
-def test_a_field_is_looked_for_in_the_message_of_ros2(tmp_path: Path) -> None:
-    scan = {"type": "sensor_msgs/Range"}
-    assert answers(tmp_path, {**scan, "field": "range"})[1] == []
-    _, (problem,) = answers(tmp_path, {**scan, "field": "header.stamp.secs"})
-    assert problem.startswith("K020 builtin_interfaces/Time has no field 'secs'")
-
-
-def test_a_definition_comes_after_those_that_it_is_made_of(tmp_path: Path) -> None:
-    own = {
-        "my_msgs/Range": {"header": "Header", "one": "my_msgs/Part[2]", "age": "duration"},
-        "my_msgs/Part": {"value": "float64"},
-    }
-    given = {"type": "my_msgs/Range", "field": "one[0].value", "MessageTypes": own}
-    found, problems = answers(tmp_path, given)
     assert problems == []
-    names = [one["name"] for one in found["definitions"]]
-    fields = {one["name"]: one["fields"] for one in found["definitions"]}
-    assert names.index("my_msgs/Part") < names.index("my_msgs/Range")
+    fields = {row["name"]: row["fields"] for row in package.answers["definitions"]}
+    assert list(fields).index("my_msgs/Part") < list(fields).index("my_msgs/Range")
     assert fields["my_msgs/Range"] == (
         "std_msgs/Header header, my_msgs/Part[2] one, builtin_interfaces/Duration age"
     )
-    own["my_msgs/Part"]["again"] = "my_msgs/Range"
-    _, (problem,) = answers(tmp_path, given | {"type": "my_msgs/Range", "field": "one[0].value"})
-    assert problem.startswith("K048 my_msgs/Range in itself is not known")
+    parts["again"] = "my_msgs/Range"
+    path.write_text(yaml.safe_dump(config, sort_keys=False), "utf-8")
+    (monitor,), _ = monitors_of(MODEL, [path])
+    _, problems = platforms()["dds"].monitor(monitor)
+    assert_reported("K048", problems)
 
 
 def test_a_hand_edit_and_the_order_of_fields_survive_an_upgrade(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from eddi_scaffold.connect.rossystem import parse
 from eddi_scaffold.mros import load_models, load_system
 from eddi_scaffold.mros.topics import simulator_outputs
 from eddi_scaffold.platforms.ros_packages import nodes_of, specs_of
-from tests.cli.command import EXAMPLE, run
+from tests.cli.command import EXAMPLE
 
 WORKSPACE = EXAMPLE / "expected" / "src" / "eddi_monitor"
 SYSTEM = WORKSPACE / "eddi_monitor_launcher" / "ros" / "eddi_monitors.rossystem"
@@ -38,22 +38,6 @@ def test_the_system_is_read_with_all_topics_of_its_nodes() -> None:
         ("consertb_guarantees", output, "/consertb/guarantees"),
         ("consertb_guarantees_status", status, "/consertb/guarantees/status"),
     ]
-
-
-def test_a_workspace_of_ros2_is_read_in_the_same_way(tmp_path: Path) -> None:
-    (tmp_path / "src").mkdir()
-    config = EXAMPLE / "consert_b_config.yml"
-    words = ("--platform", "ros2", "-w", tmp_path, "-m", EXAMPLE / "two_conserts.xml", "-c", config)
-    assert run("generate", *words, cwd=tmp_path).status == 0
-    packages = tmp_path / "src" / "eddi_monitor"
-    robot = read_robot(packages / "eddi_monitor_launcher/ros/eddi_monitors.rossystem", packages)
-    outputs = simulator_outputs(robot.system, robot.models)
-    assert [*robot.problems, *outputs.problems] == []
-    assert [topic.topic for topic in outputs.topics] == [
-        "/diagnostics", "/consertb/guarantees", "/consertb/guarantees/status"
-    ]  # fmt: skip
-    of_ros1 = (WORKSPACE / "consertb/ros/consertb.ros1").read_bytes()
-    assert (packages / "consertb/ros/consertb.ros2").read_bytes() == of_ros1
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,8 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.platforms import names, owner_of, platforms
-from tests.checkouts import HERE, Checkout, checkout, git, run, tree, without_origin
+from tests.checkouts import HERE, Checkout, checkout, git, run
 from tests.cli.command import example
-from tests.quick_copier import copier_here
 
 pytestmark = pytest.mark.slow
 
@@ -63,9 +62,8 @@ def test_it_lives_beside_ros1_as_the_others_do(tmp_path: Path) -> None:
         ("generate", "-w", "ws", *model, *config_a): 0,
         ("generate", "-w", "ws", *amiga): 0,
         ("status", "-w", "ws"): 0,
-        ("answers", *amiga, "-w", "ws", "--all", "-o", "answers"): 0,
     }
-    unknown, nowhere, _, made, *_ = clone.several(commands, tmp_path)
+    unknown, nowhere, _, made, _ = clone.several(commands, tmp_path)
     assert "platforms: amiga_500, dds, plain, ros1, ros2" in unknown
     assert "there is no such box of floppy disks" in nowhere
     assert "switch on consertb" in made
@@ -84,15 +82,6 @@ def test_it_lives_beside_ros1_as_the_others_do(tmp_path: Path) -> None:
     answer = run([sys.executable, "-B", "-c", code], packages, {"PYTHONPATH": ""}).stdout
     assert answer.startswith("([{'id': 'System_A_G0_c2', 'active': False}"), answer
     assert "missing" in answer
-
-    for name in ("consertb", "all_robots"):  # plain Copier renders the same
-        words = ("--trust", "--quiet", "--defaults", "--vcs-ref", "HEAD", "--data-file")
-        place = (f"answers/{name}.yml", clone.path, f"copied/{name}")
-        assert copier_here("copy", *words, *place, cwd=tmp_path).returncode == 0
-        got, expected = tree(tmp_path / "copied" / name), tree(packages / name)
-        file = ".copier-answers.yml"
-        assert without_origin(got.pop(file)[1]) == without_origin(expected.pop(file)[1])
-        assert got == expected
 
     written = robot / "EDDIInput.py"
     text = written.read_text("utf-8")
