@@ -38,13 +38,7 @@ class FieldReading:
 
 
 class Readings:
-    """What the inputs of a monitor read, and what for; no hand-written code is among it.
-
-    Attributes:
-        fields: every use of every field.
-        inverted: inputs with ``polarity: HAZARD`` whose being true brings a claim nearer, so that
-            silence does.
-    """
+    """What the inputs of a monitor read, and what for; no hand-written code is among it."""
 
     def __init__(self, monitor: BoundMonitor | None) -> None:
         assert monitor is not None
@@ -54,6 +48,7 @@ class Readings:
         self._by_attribute = {binding.attribute: binding for binding in monitor.inputs}
         self._entries = {entry.id: (index, entry) for index, entry in enumerate(form.EDDIInputs)}
         self._sources = {attribute(source.id): source for source in form.SimulatorOutputs}
+        # inputs with `polarity: HAZARD` whose being true, and so silence, brings a claim nearer
         self.inverted: dict[str, None] = {}
         fields = [use for input_ in monitor.inputs for use in self._of(input_, input_.model.uses)]
         self.fields = tuple(dict.fromkeys(fields))

@@ -98,22 +98,17 @@ RESERVED = frozenset(
 
 
 class Printer:
-    """Prints one program.
-
-    Args:
-        program: what to print.
-        names: an identifier for each read; of at most 24 characters, so that lines are short.
-        elements: operation -> identifier, for elements of the model, whose words stand above them.
-        copied: what is called is in the same module, else in ``expressions`` and its modules.
-    """
+    """Prints one program."""
 
     def __init__(
         self,
         program: Program,
+        # an identifier for each read; of at most 24 characters, so that lines are short
         names: Sequence[str],
+        # operation -> identifier, for elements of the model, whose words stand above them
         elements: Mapping[int, str] | None = None,
         *,
-        copied: bool = False,
+        copied: bool = False,  # what is called is in the same module, else in `expressions`
     ) -> None:
         self._program = program
         self._operations = program.operations

@@ -56,10 +56,6 @@ class Engine:
     """A compiled program. Not thread-safe.
 
     Memory is fixed when it is built; a step costs the same whatever the length of the windows.
-
-    Attributes:
-        program: what was compiled.
-        sampling: what a step is given.
     """
 
     def __init__(self, program: Program) -> None:
