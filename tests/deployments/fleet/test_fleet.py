@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.deployments.drawing import diagram
 from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
+from eddi_scaffold.deployments.fleet_checks import diagram
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import checked_models
