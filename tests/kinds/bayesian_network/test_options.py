@@ -81,12 +81,9 @@ MISTAKES: list[tuple[object, str]] = [
     ({NODE: {**ENTRY, "order": [STATES[0]] * 3}}, "B404.order_twice"),
     ({NODE: {**ENTRY, "order": [True, *STATES[1:3]]}}, "B404.value"),
     ({NODE: {"input": "value", "map": {"1": True}}}, "B404.state_name"),
-    ({NODE: {**ENTRY, "order": ["near", *STATES[1:3]]}}, "B303.bin_state"),
     ({NODE: {**ENTRY, "offset": "1"}}, "B404.value"),
     ({NODE: {**ENTRY, "scale": 0}}, "B404.value"),
-    ({NODE: {**ENTRY, "hysteresis": -1}}, "B404.value"),
     ({NODE: {**ENTRY, "range": [3, 1]}}, "B404.value"),
-    ({NODE: {**ENTRY, "closed": "both"}}, "B404.value"),
     ({NODE: {**ENTRY, "allow_inf": 1}}, "B404.value"),
     ({NODE: {"input": "value", "map": {}}}, "B404.value"),
     ({NODE: {**ENTRY, "sentinel": -1}}, "B404.value"),
@@ -99,30 +96,24 @@ def test_each_mistake_in_a_discretisation_is_reported(entry: object, case: str) 
     text = config({"discretisation": entry})
     monitor, problems = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
     assert monitor is None
-    assert {problem.place.line is not None for problem in problems if problem.case == case} == {
-        True
-    }
+    assert {one.place.line is not None for one in problems if one.case == case} == {True}
 
 
 @pytest.mark.parametrize(
-    ("more", "message"),
+    ("more", "case"),
     [
-        ({"hysteresis": 1}, "a `hysteresis` of 1 is not less than the narrowest bin, 1"),
-        (
-            {"scale": -2, "range": [-1.25, 0], "hysteresis": 0.5},
-            "a `hysteresis` of 0.5 is not less than the narrowest bin, 0.5",
-        ),
-        ({"missing": "default"}, "the input 'value' has no `default`"),
-        ({"hysteresis": 0.9}, ""),
+        ({"hysteresis": 1}, "B404.wide_hysteresis"),
+        ({"scale": -2, "range": [-1.25, 0], "hysteresis": 0.5}, "B404.wide_hysteresis"),
+        ({"missing": "default"}, "B404.no_default"),
+        ({"hysteresis": 0.9}, None),
     ],
 )
-def test_what_is_not_meant_so_is_a_warning(more: dict[str, object], message: str) -> None:
+def test_what_is_not_meant_so_is_a_warning(more: dict[str, object], case: str | None) -> None:
     text = config({"discretisation": {NODE: {**ENTRY, **more}}})
     monitor, problems = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
-    found = [one for one in problems if one.code in ("B404", "D009")]
     assert monitor is not None
-    assert [(one.level, one.code) for one in found] == [("warning", "B404")] * bool(message)
-    assert all(message in one.message for one in found)
+    found = [(one.level, one.case) for one in problems if one.code in ("B404", "D009")]
+    assert found == ([("warning", case)] if case else [])
 
 
 @pytest.mark.parametrize(("type_", "wrong"), [("int", 0), ("str", 0), ("bool", 2)])
