@@ -1,5 +1,7 @@
 """Networks that are text: what BIF files mean, and where they are wrong."""
 
+from pathlib import Path
+
 import pytest
 
 from eddi_scaffold.kinds import ReadResult
@@ -14,7 +16,6 @@ variable A { type discrete[2] { "y" "n" }; property position = (73, 165) ; }
 variable B { /* three */ type discrete [ 3 ] { <5, 5-12, 12+ }; }
 """
 BIF = START + "probability ( A ) { table 0.25, 0.75; }\n"
-B = "( B ) { table 1 0 0; }\n"
 ROW = (0.5, 0.25, 0.25)
 ROWS = (*ROW, 0.125, 0.0, 0.875)
 
@@ -60,35 +61,13 @@ def test_the_order_of_parents_is_that_of_the_file() -> None:
     assert (b.parents, b.table) == wanted
 
 
-@pytest.mark.parametrize(
-    ("text", "case", "line", "col"),
-    [
-        ("( B | A ) { (y) 0.5 0.25 0.25; }", "B110.missing_rows", 7, 15),
-        ("( B | A ) {\n (y) 0.5 0.25 0.25; (m) 0 0 1; }", "B205.unknown_parent_state", 8, 21),
-        ("( B | A ) { (y) 0.5 0.5; (n) 0 0 1; }", "B110.row_length", 7, 25),
-        ("( B | A ) { (y, y) 0 0 1; (n) 0 0 1; }", "B110.row_parents", 7, 25),
-        ("( B | A ) { (y) 0 0 1; (y) 0 1 0; (n) 0 0 1; }", "B110.duplicate_row", 7, 36),
-        ("( B | A ) { (y) 0 0 1; (n) 0 0 x; }", "B112", 7, 36),
-        ("( B | A ) { table 1 0; }", "B110.table_length", 7, 15),
-        ("( B | A ) { table ; }", "B110.table_length", 7, 15),
-        ("( B | A ) { }", "B110.no_table", 5, 10),
-        ("( B | Q ) { default 0 0 1; }", "B105.unknown_parent", 7, 19),
-        ("( B | A ) { table 1; (y) 1; }", "B201.two_tables", 7, 34),
-        ("( B, A | A ) { table 1; }", "B201.expected", 7, 20),  # of two variables together
-        ('( B | "A', "B201.unfinished", 7, 19),
-        ("( B ) { table 1 0 0; } /* end", "B201.unfinished", 7, 36),
-        ("( B ) { table 1 0 0; } \0", "B201.character", 7, 36),
-        ("( B ) { table 1 0 0", "B201.expected", 7, 32),
-        (B + "variable C { type discrete [3] { y, n }; }", "B201.states", 8, 29),
-        (B + "variable C { type continuous; }", "B202.node_type", 8, 10),
-        (B + "probability ( C ) { table 1 0; }", "B205.unknown_variable", 8, 15),
-        (B + "variable A { type discrete [1] { y }; }", "B101.duplicate_node", 8, 10),
-        (B + "function f { }", "B201.expected", 8, 1),
-    ],
-)  # fmt: skip
-def test_what_is_wrong_in_bif(text: str, case: str, line: int, col: int) -> None:
+@pytest.mark.parametrize("row", Path(__file__).with_name("wrong_bif.txt").read_text().splitlines())
+def test_what_is_wrong_in_bif(row: str) -> None:
+    """A row: case, line and column, what stands behind two variables and the table of the first."""
+    case, place, text = row.split(" ", 2)
+    text = text.encode().decode("unicode_escape")
     (problem,) = read(f"{BIF}probability {text}", "n.bif").problems
-    assert (problem.case, problem.place.line, problem.place.col) == (case, line, col)
+    assert (problem.case, f"{problem.place.line}:{problem.place.col}") == (case, place)
 
 
 def test_a_default_that_would_fill_too_much_is_refused() -> None:

@@ -3,13 +3,12 @@
 import ast
 import hashlib
 import keyword
-from fractions import Fraction
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.common import identifiers, units
+from eddi_scaffold.common import identifiers
 from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
@@ -55,16 +54,6 @@ def test_derived_names_stand_in_code(id_):
     ast.parse(f"self.{name} = 1\ndef process_{name}(self): pass")
     if not names.is_usable(id_):
         assert not names.class_name(id_).isidentifier() or not id_.isascii()
-
-
-def test_factors_are_exact():
-    assert units.factor("km/h", "m/s") == Fraction(5, 18)
-    assert units.factor("us", "nanosecond") == 1000
-    assert units.factor(None, "") == 1
-    assert units.factor("m", "s") is None
-    assert units.factor("fortnight", "s") is None
-    assert units.convertible("ms")["us"] == (1, 1000)
-    assert all(units.find(spelling) for spelling in units.spellings())
 
 
 def test_a_range_without_a_double_is_empty():
