@@ -19,13 +19,7 @@ from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.cli.command import ROOT, run
 from tests.diagnosed import assert_reported
 from tests.interpreters import old_python
-from tests.kinds.bayesian_network.networks import (
-    joined,
-    networks,
-    read,
-    read_path,
-    running,
-)
+from tests.kinds.bayesian_network.networks import joined, networks, read, read_path, running
 
 pytestmark = pytest.mark.slow
 

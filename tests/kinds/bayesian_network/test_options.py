@@ -30,8 +30,7 @@ SCALARS = st.one_of(
 VALUES = st.recursive(
     SCALARS,
     lambda inner: st.one_of(
-        st.lists(inner, max_size=4),
-        st.dictionaries(st.sampled_from(WORDS[:-1]), inner, max_size=3),
+        st.lists(inner, max_size=4), st.dictionaries(st.sampled_from(WORDS[:-1]), inner, max_size=3)
     ),
     max_leaves=6,
 )
@@ -50,11 +49,7 @@ def config(values: dict[str, object]) -> str:
 @given(
     st.dictionaries(st.sampled_from([*KEYS, "bin"]), VALUES, max_size=3),
     st.sets(st.sampled_from(list(ENTRY)), max_size=2),
-    st.dictionaries(
-        st.sampled_from(OPTIONS),
-        VALUES,
-        max_size=1,
-    ),
+    st.dictionaries(st.sampled_from(OPTIONS), VALUES, max_size=1),
 )
 def test_any_values_give_a_monitor_or_problems(
     changed: dict[str, object], gone: set[str], further: dict[str, object]

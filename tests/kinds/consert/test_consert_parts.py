@@ -13,13 +13,7 @@ from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.consert import MESSAGES, names
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    Bound,
-    ConSert,
-    Guarantee,
-    Range,
-)
+from eddi_scaffold.kinds.consert.consert import BinaryDimension, Bound, ConSert, Guarantee, Range
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.options import ConSertOptions, with_default_guarantees
 from eddi_scaffold.kinds.consert.ranges import is_empty

@@ -51,10 +51,7 @@ subsets = st.sampled_from(["Demand", "Guarantee"])
 dimensions = (
     st.builds(BinaryDimension, texts)
     | st.builds(
-        CategoricalDimension,
-        texts,
-        st.lists(texts, min_size=1, max_size=3).map(tuple),
-        subsets,
+        CategoricalDimension, texts, st.lists(texts, min_size=1, max_size=3).map(tuple), subsets
     )
     | st.builds(
         NumericDimension,

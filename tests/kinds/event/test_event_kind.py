@@ -127,8 +127,7 @@ def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) 
 
 
 @pytest.mark.parametrize(
-    ("text", "code"),
-    [("x + 1", "E007"), ("EVENT e (HAZARD) := x >", "E001"), ("", "E001")],
+    ("text", "code"), [("x + 1", "E007"), ("EVENT e (HAZARD) := x >", "E001"), ("", "E001")]
 )
 def test_wrong_files(text: str, code: str, folder: Path) -> None:
     (folder / "overheat.events").write_text(text)
