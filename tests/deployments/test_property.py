@@ -20,11 +20,9 @@ from eddi_scaffold.recordings import node
 from tests.deployments.cases import deployment_of as deployment_of_case
 from tests.deployments.cases import read_case
 from tests.deployments.drafts import Draft, Instance, deployment_of, running_of
-from tests.deployments.drawing import draft_of
-from tests.deployments.faults import RUNTIME, faulty, fleet, robot_of
+from tests.deployments.drawing import RUNTIME, draft_of, faulty, fleet, robot_of
 from tests.deployments.pool.events import UNSOUND
-from tests.deployments.pool.readings import BAD, INVERTED
-from tests.deployments.pool.templates import OUT, dump, with_topics
+from tests.deployments.pool.templates import BAD, INVERTED, OUT, dump, with_topics
 from tests.deployments.properties import Check
 from tests.deployments.world import Observer, World
 
