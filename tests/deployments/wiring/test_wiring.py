@@ -60,14 +60,7 @@ def test_two_robots_share_an_absolute_topic(
         member(tmp_path, "base", topic, SENSOR, "requires: [s]", f"/robot{number}")
         for number in (1, 2)
     ]
-    found = check_wiring(robots)
-    assert codes(found) == expected
-    if found:
-        assert found[0].message == (
-            "two robots share /base/out: /robot1/base and /robot2/base publish the same topic"
-            " /base/out"
-        )
-        assert found[0].hint == "write base/out, relative to the namespace of each robot"
+    assert codes(check_wiring(robots)) == expected
 
 
 def test_a_relative_topic_stays_with_its_robot(tmp_path: Path) -> None:
@@ -95,12 +88,7 @@ def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
     good = member(tmp_path, "good", "good/out", source, "requires: [g]")
     bad = member(tmp_path, "bad", "bad/out", source, 'expression: "NOT g.data"')
     for reader in (good, bad):
-        (found,) = check_wiring([base, reader])
-        assert found.code == "D001"
-        assert found.hint == (
-            "read `guarantees[G].active` of eddi_messages/ConSertOutput, on the topic of the"
-            " whole message of base"
-        )
+        assert [one.case for one in check_wiring([base, reader])] == ["D001.alone"]
         assert codes(check_wiring([base], [reader])) == ["D001"]
 
 
