@@ -91,18 +91,14 @@ class Readings:
             if (other := self._by_attribute.get(head_of(name))) is not None:
                 yield from self._of(other, used)
             return
-        id_, place, path = (
-            binding.model.id,
-            self._place(binding, *EXPRESSION_KEYS),
-            path_behind(name),
-        )
+        id_, place = binding.model.id, self._place(binding, *EXPRESSION_KEYS)
         for use in used:
             companions = tuple(
                 ((self._sources[head_of(other)], path_behind(other)), holds)
                 for other, holds in use.companions
                 if head_of(other) in self._sources
             )
-            yield FieldReading(id_, name, place, source, path, use.holds, companions)
+            yield FieldReading(id_, name, place, source, path_behind(name), use.holds, companions)
 
     def _companions(self, use: Use) -> Iterator[tuple[Field, Holds]]:
         """Yield the fields of the other inputs that a use of one input names."""

@@ -129,7 +129,7 @@ class Printer:
                 self._state[f"s{operation.value}"] = "None"
 
     def members(self) -> list[str]:
-        """Return the methods beside the step: what is remembered, and reductions."""
+        """Return the methods apart from the step: what is remembered, and reductions."""
         lines = []
         if self._windows:
             rows = (Item(self._new(k), behind=self._operations[k].about) for k in self._windows)
@@ -348,7 +348,7 @@ def class_lines(program: Program, names: Sequence[str]) -> list[str]:
     """Return the lines of a class with ``restart()`` and ``evaluate(t, ...)``.
 
     ``evaluate`` takes the time in nanoseconds, then for each read its value, and its time stamp
-    where it is stamped; it returns the values of the results. What it calls is beside it.
+    where it is stamped; it returns the values of the results. What it calls is in the same module.
     """
     printer = Printer(program, names, copied=True)
     arguments = "self, t"

@@ -33,7 +33,7 @@ class _Files(Loader):
         self._data = data
 
     def get_data(self, path: str) -> bytes:
-        """Return the bytes of a file beside the module."""
+        """Return the bytes of a file next to the module."""
         return self._data(PurePath(path).name)
 
 

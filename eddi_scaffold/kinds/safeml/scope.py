@@ -194,8 +194,8 @@ class Plan:
 
     def scale(self, statistic: float) -> float:
         """Return a statistic as people know it: D for Kolmogorov-Smirnov."""
-        is_whole = self.settings.metric == "ks"
-        return statistic / (self.n * self.settings.window_size) if is_whole else statistic
+        is_ks = self.settings.metric == "ks"
+        return statistic / (self.n * self.settings.window_size) if is_ks else statistic
 
 
 @dataclass(frozen=True)
