@@ -222,6 +222,5 @@ def _apart(robot: FleetRobot, other: FleetRobot) -> str:
     what, names = f"{here.key}s", (here.name, there.name)
     if here.name == there.name:
         what, names = "partitions", (here.partition, there.partition)
-    return (
-        f"they have different {what}, {' and '.join(name or 'the default one' for name in names)}"
-    )
+    shown = " and ".join(name or "the default one" for name in names)
+    return f"they have different {what}, {shown}"
