@@ -35,7 +35,7 @@ def diagram(
         output: SVG file, or a folder for one picture per model.
     """
     from eddi_scaffold.config.deployment_file import is_fleet
-    from eddi_scaffold.deployments.drawing import picture_of_fleet
+    from eddi_scaffold.deployments.fleet_checks import picture_of_fleet
     from eddi_scaffold.monitors.exports import pictures
     from eddi_scaffold.monitors.loading import checked_models
     from eddi_scaffold.monitors.survey import configured

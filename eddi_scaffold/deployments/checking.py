@@ -30,7 +30,7 @@ from eddi_scaffold.monitors.topic_types import check_types
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
 
 _OF_WHAT_LACKS = ("D006", "G001", "X037")
-"""What is said of something that no file has: it may be in one that could not be read."""
+"""What is reported of something that no file has: it may be in one that could not be read."""
 
 
 @dataclass(frozen=True)

@@ -38,13 +38,7 @@ class FieldReading:
 
 
 class Readings:
-    """What the inputs of a monitor read, and what for; no hand-written code is among it.
-
-    Attributes:
-        fields: every use of every field.
-        inverted: inputs with ``polarity: HAZARD`` whose being true brings a claim nearer, so that
-            silence does.
-    """
+    """What the inputs of a monitor read, and what for; no hand-written code is among it."""
 
     def __init__(self, monitor: BoundMonitor | None) -> None:
         assert monitor is not None
@@ -54,6 +48,7 @@ class Readings:
         self._by_attribute = {binding.attribute: binding for binding in monitor.inputs}
         self._entries = {entry.id: (index, entry) for index, entry in enumerate(form.EDDIInputs)}
         self._sources = {attribute(source.id): source for source in form.SimulatorOutputs}
+        # inputs with `polarity: HAZARD` whose being true, and so silence, brings a claim nearer
         self.inverted: dict[str, None] = {}
         fields = [use for input_ in monitor.inputs for use in self._of(input_, input_.model.uses)]
         self.fields = tuple(dict.fromkeys(fields))
@@ -96,18 +91,14 @@ class Readings:
             if (other := self._by_attribute.get(head_of(name))) is not None:
                 yield from self._of(other, used)
             return
-        id_, place, path = (
-            binding.model.id,
-            self._place(binding, *EXPRESSION_KEYS),
-            path_behind(name),
-        )
+        id_, place = binding.model.id, self._place(binding, *EXPRESSION_KEYS)
         for use in used:
             companions = tuple(
                 ((self._sources[head_of(other)], path_behind(other)), holds)
                 for other, holds in use.companions
                 if head_of(other) in self._sources
             )
-            yield FieldReading(id_, name, place, source, path, use.holds, companions)
+            yield FieldReading(id_, name, place, source, path_behind(name), use.holds, companions)
 
     def _companions(self, use: Use) -> Iterator[tuple[Field, Holds]]:
         """Yield the fields of the other inputs that a use of one input names."""

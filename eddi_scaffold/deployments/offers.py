@@ -219,11 +219,8 @@ def _apart(robot: FleetRobot, other: FleetRobot) -> str:
     here, there = robot.graph, other.graph
     if here is None or there is None or here.key != there.key:
         return f"one runs on {robot.platform.name}, the other on {other.platform.name}"
-    if here.name != there.name:
-        return f"they have different {here.key}s, {_shown(here.name)} and {_shown(there.name)}"
-    parts = f"{_shown(here.partition)} and {_shown(there.partition)}"
-    return f"they have different partitions, {parts}"
-
-
-def _shown(name: str) -> str:
-    return name or "the default one"
+    what, names = f"{here.key}s", (here.name, there.name)
+    if here.name == there.name:
+        what, names = "partitions", (here.partition, there.partition)
+    shown = " and ".join(name or "the default one" for name in names)
+    return f"they have different {what}, {shown}"

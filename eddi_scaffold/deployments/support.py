@@ -52,7 +52,7 @@ class WiredMonitor:
 
     @cached_property
     def claims(self) -> Mapping[str, Claim]:
-        """Its claims; the whole result, of the id ``""``, where it names none."""
+        """Its claims; the complete result, of the id ``""``, where it names none."""
         return {claim.id: claim for claim in self.facts.claims}
 
     def meanings(self, part: str | None) -> Meanings:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from importlib.resources import files
+from string import Template
 
 from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.common.problems import EddiError, problem
@@ -48,7 +49,7 @@ def c_files(model: StandaloneMonitor) -> dict[str, str]:
 def functions(body: str) -> str:
     """Return the static functions that a text calls, and those that they call."""
     needed, parts = set(_CALLED.findall(body)), []
-    _, *texts = files(__package__).joinpath("functions.c").read_text("utf-8").split("\n\n")
+    _, *texts = _read("functions.c").split("\n\n")
     folds = [text for text in texts if "FOLD_" in text]
     named: dict[str, str] = {}
     for text in (text for text in texts if text not in folds):
@@ -63,6 +64,14 @@ def functions(body: str) -> str:
             needed.update(_CALLED.findall(function))
             parts.append(function.rstrip("\n"))
     return "".join(f"{function}\n\n" for function in reversed(parts))
+
+
+def _read(file: str) -> str:
+    return files(__package__).joinpath(file).read_text("utf-8")
+
+
+def _filled(file: str, **texts: str) -> str:
+    return Template(_read(file)).substitute(texts)
 
 
 def _block(lines: Iterable[str], blanks: int = 4) -> str:
@@ -117,35 +126,19 @@ def _header(model: StandaloneMonitor) -> str:
         f"* v_{word}: {model.describe(k)}; {_UNKNOWN[model.program.reads[k].type]} is UNKNOWN"
         for k, word in enumerate(model.variables)
     )
-    return f"""\
-{_banner(model, "3. Types: do not edit")}
-#ifndef {guard}
-#define {guard}
-
-#include <stdbool.h>
-#include <stdint.h>
-
-{files(__package__).joinpath("types.h").read_text("utf-8")}#endif
-
-{enums}typedef struct {{
-    bool started;
-    int64_t last;  /* time of the last step */
-    int64_t since; /* time of the first sample of full windows */
-    {"double value;" if model.numeric else results}
-{_block(CStep(model).fields())}}} {name}_t;
-
-/* Forget everything. Call it before the first step. */
-void {name}_reset({name}_t *m);
-
-/* One step. {rate}t_ns: any clock, within +-2^62; the same time again is ignored,
- * an earlier one: the clock went back, all is forgotten first.
- *
-{_block(variables, 1)} *
- * Compile with -ffp-contract=off and without -ffast-math. */
-{_signature(model)};
-
-#endif
-"""
+    return _filled(
+        "monitor.h",
+        banner=_banner(model, "3. Types: do not edit"),
+        guard=guard,
+        types=_read("types.h"),
+        enums=enums,
+        name=name,
+        results="double value;" if model.numeric else results,
+        fields=_block(CStep(model).fields()),
+        rate=rate,
+        variables=_block(variables, 1),
+        signature=_signature(model),
+    )
 
 
 def _implementation(model: StandaloneMonitor) -> str:
@@ -165,32 +158,18 @@ def _implementation(model: StandaloneMonitor) -> str:
     for k, operation in enumerate(operations):
         reset += [f"m->w{k}.overflows = 0u;"] if operation.capacity else []
         reset += [f"m->c{k}.overflows = 0u;"] if operation.coverage is not None else []
-    return f"""\
-{_banner(model, "2. Functions: do not edit")}
-#include "{name}_{model.kind}.h"
-
-#include <math.h>
-{texts}
-#ifdef __FAST_MATH__
-#error "-ffast-math has no NaN: compile without it"
-#endif
-
-{functions(called)}static void forget({name}_t *m)
-{{
-{_block(forget or ["(void)m;"])}}}
-
-void {name}_reset({name}_t *m)
-{{
-    m->started = false;
-    m->last = 0;
-    m->since = 0;
-{_block(reset)}    forget(m);
-}}
-
-{_signature(model)}
-{{
-{body}}}
-"""
+    return _filled(
+        "monitor.c",
+        banner=_banner(model, "2. Functions: do not edit"),
+        name=name,
+        kind=model.kind,
+        texts=texts,
+        functions=functions(called),
+        forget=_block(forget or ["(void)m;"]),
+        reset=_block(reset),
+        signature=_signature(model),
+        body=body,
+    )
 
 
 def _hazards(model: StandaloneMonitor) -> list[str]:
@@ -261,33 +240,15 @@ def _main(model: StandaloneMonitor) -> str:
         f"    *t_ns += {int64(period)};",
         f"    return *t_ns < {int64(10 * period)};",
     ]
-    return f"""\
-{_banner(model, "1. Variables, 4. Main: edit between the markers only")}
-#include "{name}_{model.kind}.h"
-
-#include <math.h>
-#include <stdio.h>
-
-/* ---- 1. Variables: where the values come from; each is read once in a step ---- */
-
-{stubs}/* ---- 4. Main ---- */
-
-/* Wait for the next step and return its time; ends the
- * program by returning false. */
-static bool next_step(int64_t *t_ns)
-{{
-{_block(region("main:next_step", clock, c=True, indent="    "), 0)}}}
-
-static {name}_t monitor; /* too large for some stacks */
-
-int main(void)
-{{
-    int64_t t = 0;
-{_block(declared)}
-    {name}_reset(&monitor);
-    while (next_step(&t)) {{
-{_block(read, 8)}        (void){name}_step(&monitor, {", ".join(arguments)});
-{_block(results, 8)}    }}
-    return 0;
-}}
-"""
+    return _filled(
+        "main.c",
+        banner=_banner(model, "1. Variables, 4. Main: edit between the markers only"),
+        name=name,
+        kind=model.kind,
+        stubs=stubs,
+        next_step=_block(region("main:next_step", clock, c=True, indent="    "), 0),
+        declared=_block(declared),
+        read=_block(read, 8),
+        arguments=", ".join(arguments),
+        results=_block(results, 8),
+    )

@@ -96,7 +96,7 @@ _ON_WINDOWS = {
 }
 """Operation -> how its window drops old samples, takes a new one, and what its value is."""
 _ARRAYS = {"count": "", "median": "xs", "sum": "xhl", "average": "xhl", "stddev": "xhl"}
-"""Operation -> arrays beside the times of the samples, ``x`` if it is not here."""
+"""Operation -> arrays apart from the times of the samples, ``x`` if it is not here."""
 _PLAIN = frozenset(f"{string.ascii_letters}{string.digits} _.,:;+*/")
 """What stands for itself in a literal: neither trigraphs nor markers of regions can be made of it.
 """

@@ -143,12 +143,7 @@ class HostInput:
 
 
 class Sampling:
-    """Which values of a host each read of a program is made of.
-
-    Attributes:
-        inputs: what the host gives, once each, in the order of the reads.
-        uses: for each read the numbers of the inputs that it is made of.
-    """
+    """Which values of a host each read of a program is made of."""
 
     def __init__(self, program: Program) -> None:
         by_name: dict[str, HostInput] = {}
@@ -163,8 +158,10 @@ class Sampling:
             names.append([input_.name for input_ in inputs])
             for input_ in inputs:
                 by_name.setdefault(input_.name, input_)
+        # what the host gives, once each, in the order of the reads
         self.inputs = tuple(by_name.values())
         numbers = {name: k for k, name in enumerate(by_name)}
+        # for each read the numbers of the inputs that it is made of
         self.uses = [[numbers[name] for name in used] for used in names]
 
 

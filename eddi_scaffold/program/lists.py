@@ -1,6 +1,6 @@
 """Reductions of the lists of a message: the nearest obstacle of a scan, the share of what holds.
 
-In Python every operation is done on whole columns, one after the other.
+In Python every operation is done on columns, one after the other.
 """
 
 from __future__ import annotations

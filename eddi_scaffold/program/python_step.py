@@ -98,22 +98,17 @@ RESERVED = frozenset(
 
 
 class Printer:
-    """Prints one program.
-
-    Args:
-        program: what to print.
-        names: an identifier for each read; of at most 24 characters, so that lines are short.
-        elements: operation -> identifier, for elements of the model, whose words stand above them.
-        copied: what is called is in the same module, else in ``expressions`` and its modules.
-    """
+    """Prints one program."""
 
     def __init__(
         self,
         program: Program,
+        # an identifier for each read; of at most 24 characters, so that lines are short
         names: Sequence[str],
+        # operation -> identifier, for elements of the model, whose words stand above them
         elements: Mapping[int, str] | None = None,
         *,
-        copied: bool = False,
+        copied: bool = False,  # what is called is in the same module, else in `expressions`
     ) -> None:
         self._program = program
         self._operations = program.operations
@@ -134,7 +129,7 @@ class Printer:
                 self._state[f"s{operation.value}"] = "None"
 
     def members(self) -> list[str]:
-        """Return the methods beside the step: what is remembered, and reductions."""
+        """Return the methods apart from the step: what is remembered, and reductions."""
         lines = []
         if self._windows:
             rows = (Item(self._new(k), behind=self._operations[k].about) for k in self._windows)
@@ -353,7 +348,7 @@ def class_lines(program: Program, names: Sequence[str]) -> list[str]:
     """Return the lines of a class with ``restart()`` and ``evaluate(t, ...)``.
 
     ``evaluate`` takes the time in nanoseconds, then for each read its value, and its time stamp
-    where it is stamped; it returns the values of the results. What it calls is beside it.
+    where it is stamped; it returns the values of the results. What it calls is in the same module.
     """
     printer = Printer(program, names, copied=True)
     arguments = "self, t"

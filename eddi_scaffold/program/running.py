@@ -33,7 +33,7 @@ class _Files(Loader):
         self._data = data
 
     def get_data(self, path: str) -> bytes:
-        """Return the bytes of a file beside the module."""
+        """Return the bytes of a file next to the module."""
         return self._data(PurePath(path).name)
 
 
@@ -56,10 +56,6 @@ class Engine:
     """A compiled program. Not thread-safe.
 
     Memory is fixed when it is built; a step costs the same whatever the length of the windows.
-
-    Attributes:
-        program: what was compiled.
-        sampling: what a step is given.
     """
 
     def __init__(self, program: Program) -> None:

@@ -1,4 +1,4 @@
-"""Which parts of the runtime a compiled monitor needs beside the core: no other travels with it."""
+"""Which parts of the runtime a compiled monitor needs: no other travels with it."""
 
 from __future__ import annotations
 

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterable
 from functools import cache
 from importlib.resources import files
+from string import Template
 
 from eddi_runtime.expressions import (
     Conditions,
@@ -35,41 +36,31 @@ _TYPES = {"number": "NumVal", "bool": "BoolVal", "enum": "str", "text": "str"}
 
 def python_module(model: StandaloneMonitor) -> dict[str, str]:
     """Return file name -> text of the monitor's module."""
-    parts = (_head(model), _variables(model), _functions(model), _types(), _main(model))
-    return {f"{model.name}_event.py": "\n".join(parts)}
-
-
-def _head(model: StandaloneMonitor) -> str:
-    source = "".join(f"    {line}".rstrip() + "\n" for line in model.source[:200])
+    template = files(__package__).joinpath("module.txt").read_text("utf-8")
+    if not model.has_lists:
+        template = re.sub(r"(?s)def as_samples\(.*?\n\n\n", "", template)
     more = {"Sequence", "Union"} if _needs_lists(model) else set()
-    names = ", ".join(sorted({"Any", "Callable", "Deque", "List", "Optional", "Tuple"} | more))
-    return f'''"""Monitor of events, {HEADER}; edit between the markers only.
-
-{source}
-Step it at its rate: Monitor().step(t_ns). Several monitors may live side by side.
-"""
-
-from __future__ import annotations
-
-import math
-import time
-from bisect import bisect_left, insort
-from collections import deque
-from typing import {names}
-
-PERIOD_NS = {model.program.period}
-NEVER = -(1 << 64)
-INF = math.inf
-NAN = math.nan
-
-'''
+    names = sorted({"Any", "Callable", "Deque", "List", "Optional", "Tuple"} | more)
+    readings, calls = _arguments(model)
+    text = Template(template).substitute(
+        header=HEADER,
+        source=_text(f"    {line}".rstrip() for line in model.source[:200]),
+        names=", ".join(names),
+        period=model.program.period,
+        variables=_text(_variables(model)),
+        functions=_functions(model),
+        types=f"{_source(BoolVal)}\n\n{_source(NumVal)}",
+        unknown=repr((1,) * len(model.events)),
+        returned="the number, NaN for UNKNOWN" if model.numeric else "event -> BoolVal",
+        readings=_text(readings),
+        arguments=_text(f"            {argument}," for argument in calls),
+        results=_text(_results(model)),
+        pause=model.program.period or 10**9,
+    )
+    return {f"{model.name}_event.py": text}
 
 
-def _title(number: int, name: str) -> str:
-    return f"# {'-' * 20} {number}. {name} {'-' * 20}\n\n\n"
-
-
-def _variables(model: StandaloneMonitor) -> str:
+def _variables(model: StandaloneMonitor) -> list[str]:
     methods = []
     for argument in model.arguments:
         name, kind = argument.input.name, argument.input.type
@@ -88,10 +79,7 @@ def _variables(model: StandaloneMonitor) -> str:
             methods += ["", f"    def on_{what}_{event}(self, t_ns: int) -> None:"]
             methods += [f'        """Called when the event {result.id} is {what}."""']
             methods += region(f"{what}:{result.id}", ["        pass"], indent="        ")
-    lines = methods or ["", "    __slots__ = ()"]
-    return f'''{_title(1, "Variables")}class Variables:
-    """Where the values come from; each is read once in a step."""
-{_text(lines)}'''
+    return methods or ["", "    __slots__ = ()"]
 
 
 def _functions(model: StandaloneMonitor) -> str:
@@ -112,67 +100,22 @@ def _functions(model: StandaloneMonitor) -> str:
         parts = [_source(Unknown), _source(reduced), text[begin.start() :].rstrip() + "\n"]
     parts += map(_source, (*order, Conditions))
     parts += [_text(class_lines(model.program, [f"v_{name}" for name in model.variables]))]
-    return _title(2, "Functions") + "\n\n".join(parts)
+    return "\n\n".join(parts)
 
 
-def _types() -> str:
-    return f"{_title(3, 'Types')}{_source(BoolVal)}\n\n{_source(NumVal)}"
-
-
-def _main(model: StandaloneMonitor) -> str:
-    unknown = f"        self.verdicts = {(1,) * len(model.events)!r}"
-    returned = "the number, NaN for UNKNOWN" if model.numeric else "event -> BoolVal"
-    readings, calls = _arguments(model)
-    results = ["        return values[0]"]
-    if not model.numeric:
-        results = ["        before, self.verdicts = self.verdicts, values"]
-        for k, event in enumerate(model.events):
-            results += [f"        if values[{k}] == 2 and before[{k}] != 2:"]
-            results += [f"            self.on_raised_{event}(t_ns)"]
-            results += [f"        elif before[{k}] == 2 and values[{k}] != 2:"]
-            results += [f"            self.on_cleared_{event}(t_ns)"]
-        results += ["        return {"]
-        for k, result in enumerate(model.program.results):
-            results += [f"            {python_literal(result.id)}: BoolVal.of(values[{k}]),"]
-        results += ["        }"]
-    conversions = f"{files(__package__).joinpath('conversions.txt').read_text('utf-8')}\n\n"
-    if not model.has_lists:
-        conversions = conversions.partition("def as_samples(")[0]
-    return f'''{_title(4, "Main")}{conversions}class Monitor(Variables):
-    """The monitor: reads the variables, evaluates, calls what is raised."""
-
-    def __init__(self):
-        self.engine = Engine()
-        self.evaluate = self.engine.evaluate
-{unknown}
-
-    def reset(self):
-        """Forget everything of former steps."""
-        self.engine.restart()
-{unknown}
-
-    def step(self, t_ns=None):
-        """Evaluate once at a time in nanoseconds, and return {returned}."""
-        if t_ns is None:
-            t_ns = time.monotonic_ns()
-{_text(readings)}        values = self.evaluate(
-            t_ns,
-{_text(f"            {argument}," for argument in calls)}        )
-{_text(results)}
-
-def main():
-    """Step at the rate until Ctrl-C."""
-    monitor = Monitor()
-    due = time.monotonic_ns()
-    while True:
-        print(monitor.step(due))
-        due += {model.program.period or 10**9}
-        time.sleep(max(0.0, (due - time.monotonic_ns()) / 1e9))
-
-
-if __name__ == "__main__":
-    main()
-'''
+def _results(model: StandaloneMonitor) -> list[str]:
+    if model.numeric:
+        return ["        return values[0]"]
+    results = ["        before, self.verdicts = self.verdicts, values"]
+    for k, event in enumerate(model.events):
+        results += [f"        if values[{k}] == 2 and before[{k}] != 2:"]
+        results += [f"            self.on_raised_{event}(t_ns)"]
+        results += [f"        elif before[{k}] == 2 and values[{k}] != 2:"]
+        results += [f"            self.on_cleared_{event}(t_ns)"]
+    results += ["        return {"]
+    for k, result in enumerate(model.program.results):
+        results += [f"            {python_literal(result.id)}: BoolVal.of(values[{k}]),"]
+    return [*results, "        }"]
 
 
 def _arguments(model: StandaloneMonitor) -> tuple[list[str], list[str]]:

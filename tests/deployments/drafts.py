@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 from eddi_runtime import Monitor as RunningMonitor
 
 from tests.deployments.cases import data_message
-from tests.deployments.pool.readings import SOURCE_TYPES
 from tests.deployments.pool.stock import bound, compiled_once
-from tests.deployments.pool.templates import OUT, Template
+from tests.deployments.pool.templates import OUT, SOURCE_TYPES, Template
 from tests.deployments.world import Deployment, History, Member, Publisher, Sample
 
 TICK = 500

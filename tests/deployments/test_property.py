@@ -1,7 +1,6 @@
 """Random deployments: nothing good is claimed because something is silent.
 
 Each run looks at 400 deployments, `--hypothesis-profile=long` at 100,000, always the same ones.
-`pytest -rA` prints what was counted.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,12 +20,10 @@ from eddi_scaffold.recordings import node
 from tests.deployments.cases import deployment_of as deployment_of_case
 from tests.deployments.cases import read_case
 from tests.deployments.drafts import Draft, Instance, deployment_of, running_of
-from tests.deployments.drawing import draft_of
-from tests.deployments.faults import RUNTIME, faulty, fleet, robot_of
+from tests.deployments.drawing import RUNTIME, draft_of, faulty, fleet, robot_of
 from tests.deployments.pool.events import UNSOUND
-from tests.deployments.pool.readings import BAD, INVERTED
-from tests.deployments.pool.templates import OUT, dump, with_topics
-from tests.deployments.properties import Check, Count
+from tests.deployments.pool.templates import BAD, INVERTED, OUT, dump, with_topics
+from tests.deployments.properties import Check
 from tests.deployments.world import Observer, World
 
 
@@ -88,15 +85,14 @@ def _compile_once() -> Iterator[None]:
 @pytest.mark.slow
 @pytest.mark.parametrize("shard", range(SHARDS))
 def test_silence_claims_nothing(shard: int) -> None:
-    total = Count()
+    compared = 0
     for seed in range(shard * SIZE, (shard + 1) * SIZE):
         rng = Random(seed)
         check = Check(draft_of(rng), rng)
         violation = check.violation()
         assert violation is None, text_of(check.draft, f"seed {seed}", str(violation))
-        total.add(check.count)
-    print(total)
-    assert total.compared > 20 * SIZE  # claims that hold although something is not known
+        compared += check.compared
+    assert compared > 20 * SIZE
 
 
 @pytest.mark.parametrize("fault", FAULTS)

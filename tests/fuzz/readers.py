@@ -21,8 +21,7 @@ from eddi_scaffold.connect.keeping import Draft, topics_of, with_draft
 from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.topics import InputNeed, RobotTopic
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.deployments.drawing import picture_of_fleet
-from eddi_scaffold.deployments.fleet_checks import sites_of
+from eddi_scaffold.deployments.fleet_checks import picture_of_fleet, sites_of
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.monitors.binding import BoundMonitor

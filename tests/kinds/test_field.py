@@ -7,7 +7,6 @@ import pytest
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.kinds.safeml.reference import read_reference
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.data_files import data_file
@@ -185,31 +184,6 @@ def read_at(folder: Path, config: bytes) -> Source:
     return read_source(folder / "time.yml")
 
 
-ROWS = [f"{(k * 7919) % 13},{(k * 31) % 17}" for k in range(30)]
-
-
-@pytest.mark.parametrize(
-    ("rows", "line", "said"),
-    [
-        (
-            data_file("field/reference-csv/time.csv").read_text().split("\n"),
-            1,
-            "column 1 holds times",
-        ),
-        ([",a,b", *(f"{k}.5,{row}" for k, row in enumerate(ROWS))], 1, "row 1 is a header"),
-        (["recorded on Monday", *ROWS], 1, "row 1 has 1 cell, row 2 has 2"),
-        ([f"{k},{row}" for k, row in enumerate(ROWS)], 1, "column 1 rises by the same step"),
-        ([f"{1e9 + k / 8},{row}" for k, row in enumerate(ROWS)], 1, "column 1 rises by the same"),
-        ([f"pump,{row}" for row in ROWS], 1, "column 1 holds texts, not numbers: 'pump'"),
-    ],
-)
-def test_one_cause_in_a_reference_is_one_message(rows: list[str], line: int, said: str) -> None:
-    _, problems = read_reference(Source("r.csv", "\n".join(rows).encode()))
-    (problem,) = problems
-    assert (problem.code, problem.place.line) == ("L004", line)
-    assert problem.message.startswith(said)
-
-
 def test_common_causes_are_told_before_what_they_leave_undefined() -> None:
     text = data_file("field/ccf-members/pumps.xml").read_text()
     assert told(text, "pumps.xml") == [("R017", 5)]
@@ -244,6 +218,3 @@ def test_a_model_may_be_the_root(text: str, kind: str, tmp_path: Path) -> None:
     assert "X006" not in {one.code for one in reading.problems}
     (tmp_path / "m.xml").write_text(text)
     assert run("show", "m.xml", cwd=tmp_path).status == 0
-    assert run("check", "m.xml", cwd=tmp_path).status == 0
-    words = ("answers", "-m", "m.xml", "--platform", "plain", "-o", "a")
-    assert run(*words, cwd=tmp_path).status == 0

@@ -24,12 +24,7 @@ VALUES = {
     "categorical": [*TEXTS[:3], "a", "", "lo", None],
     "binary": [True, True, False, None],
 }
-SETTINGS = (
-    {},
-    {},
-    {"filtered": ("debounce", 2)},
-    {"filtered": ("majority", 3)},
-)
+SETTINGS = ({}, {}, {"filtered": ("debounce", 2)}, {"filtered": ("majority", 3)})
 KINDS = {
     BinaryDimension: "binary",
     NumericDimension: "numeric",

@@ -118,7 +118,7 @@ class _TableReader:
         return [network.Node(draft.id, title, own, names, table, draft.target, draft.place)]
 
     def _cut(self, values: Sequence[str], counts: Sequence[int]) -> list[network.Row]:
-        """Return the rows of a table that is given as a whole."""
+        """Return the rows of a complete table."""
         draft, size, width = self._draft, math.prod(counts), counts[-1]
         if len(values) != size:
             factors = " x ".join(map(str, counts[:8])) + (" x ..." if len(counts) > 8 else "")

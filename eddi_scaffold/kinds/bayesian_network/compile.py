@@ -194,13 +194,9 @@ class _Module:
 
 
 class _ProgramText:
-    """A program as text; its parts are written before the class.
+    """A program as text; its parts, whose names begin with a prefix, are written before the class.
 
-    Args:
-        module: where they are written.
-        program: what is inferred.
-        prefix: of their names.
-        loop: steps are tables that the runtime runs through, not functions.
+    In a loop, steps are tables that the runtime runs through, not functions.
     """
 
     def __init__(self, module: _Module, program: Program, prefix: str, *, loop: bool) -> None:

@@ -22,21 +22,14 @@ Form: TypeAlias = Mapping[str, tuple[Callable[[Any], bool], str]]
 
 
 class EntryReader:
-    """Reads keys of a configuration, and collects what is wrong with them.
-
-    Args:
-        options: the configuration.
-        path: of the entry, below ``Model:``.
-        entry: its keys.
-        subject: what each message begins with, if anything.
-    """
+    """Reads keys of a configuration, and collects what is wrong with them."""
 
     def __init__(
         self,
         options: Options,
-        *path: str | int,
-        entry: Mapping[str, Any] | None = None,
-        subject: str = "",
+        *path: str | int,  # of the entry, below `Model:`
+        entry: Mapping[str, Any] | None = None,  # its keys
+        subject: str = "",  # what each message begins with, if anything
     ) -> None:
         self.options, self.path, self.subject = options, path, subject
         self.entry = entry or {}

@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.clique_tree import Tree, find_tree
-from eddi_scaffold.kinds.bayesian_network.joint_tables import JointTable, added, fits, joint_tables
+from eddi_scaffold.kinds.bayesian_network.joint_tables import JointTable, JointTables, added, fits
 from eddi_scaffold.kinds.bayesian_network.message_passing import Plan, make_program, plan_of
 from eddi_scaffold.kinds.bayesian_network.network import (
     NumberedNetwork,
@@ -202,7 +202,7 @@ def _parts(network: NumberedNetwork, plans: Sequence[Plan], *, tables: bool) -> 
         least = math.floor(math.fsum(map(math.log2, smallest)))
         joint = None
         if tables and least > _LEAST_EXPONENT and fits(plan.program, network, plan.part):
-            joint = joint_tables(network, plan)
+            joint = JointTables(network, plan).tables()
             if is_evidence_alone and all(min(row) > 0.0 for table in joint for row in table.rows):
                 continue
         parts.append(Part(plan, joint, least))

@@ -67,11 +67,6 @@ def priors_of(network: NumberedNetwork, plan: Plan) -> dict[int, tuple[float, ..
     return {node: network.tables[node] for node in plan.part.inputs if node not in in_tables}
 
 
-def joint_tables(network: NumberedNetwork, plan: Plan) -> tuple[JointTable, ...]:
-    """Return the table of each output of a part; that of the evidence if there is none."""
-    return _Tables(network, plan).tables()
-
-
 class _Factor(NamedTuple):
     """A table as a flat list, last axis fastest; axes are nodes, or nodes + count for cases."""
 
@@ -79,7 +74,9 @@ class _Factor(NamedTuple):
     values: list[float]
 
 
-class _Tables:
+class JointTables:
+    """The tables of a part of a network."""
+
     def __init__(self, network: NumberedNetwork, plan: Plan) -> None:
         self._network, self._plan = network, plan
         self._cards, self._cases = network.shape.cards, plan.program.cases
@@ -87,6 +84,7 @@ class _Tables:
         self._priors = priors_of(network, plan)
 
     def tables(self) -> tuple[JointTable, ...]:
+        """Return the table of each output; that of the evidence if there is none."""
         factors: dict[Edge, _Factor] = {}
         part, _, program = self._plan
         for edge, message in program.messages.items():

@@ -43,36 +43,22 @@ class Groups(NamedTuple):
 
 
 class Steps:
-    """The operations of a step.
-
-    Args:
-        program: the messages.
-        cards: number of states of each node.
-        positions: node -> its place in the states.
-        look_up: tabulated messages are looked up; else each input has a vector.
-        adapting: shapes are told as nodes, because an observed node will have no axis.
-
-    Attributes:
-        slots: how each array is made.
-        names: of the slots in the text.
-        cases: variable -> (position in the states, factor) for each input that it counts.
-        operations: in the order of the step.
-        rows: text of the row of each output.
-    """
+    """The operations of a step."""
 
     def __init__(
         self,
         program: MessageProgram,
-        cards: Sequence[int],
-        positions: Mapping[int, int],
+        cards: Sequence[int],  # number of states of each node
+        positions: Mapping[int, int],  # node -> its place in the states
         *,
-        look_up: bool = False,
-        adapting: bool = False,
+        look_up: bool = False,  # tabulated messages are looked up; else each input has a vector
+        adapting: bool = False,  # shapes are nodes, because an observed one will have no axis
     ) -> None:
-        self.slots: list[tuple[object, ...]] = []
-        self.names: list[str] = []
+        self.slots: list[tuple[object, ...]] = []  # how each array is made
+        self.names: list[str] = []  # of the slots in the text
+        # variable -> (position in the states, factor) for each input that it counts
         self.cases: dict[str, list[tuple[int, int]]] = {}
-        self.operations: list[Operation] = []
+        self.operations: list[Operation] = []  # in the order of the step
         self._program, self._messages = program, program.messages
         self._cards, self._positions, self._adapting = cards, positions, adapting
         self._looked_up = program.tabulated if look_up else set()
@@ -96,6 +82,7 @@ class Steps:
         self._order = self._layouts(products)
         for message in products:
             self._multiply(message)
+        # text of the row of each output
         self.rows = [self._row(program.answers[node]) for node in sorted(program.answers)]
         if program.evidence:
             first, *others = (self._resolve[edge] for edge in program.evidence)

@@ -69,13 +69,13 @@ def _xdsl_lines(network: Network) -> Iterator[str]:
     for node in order:  # a row of the picture for each step away from the roots
         row = depth[node.id] = 1 + max((depth[parent] for parent in node.parents), default=-1)
         column = columns[row] = columns.get(row, -1) + 1
-        left, top = 40 + 180 * column, 40 + 120 * row
+        x, y = 40 + 180 * column, 40 + 120 * row
         yield f'\t\t\t<node id="{ids[node.id]}">'
         yield f"\t\t\t\t<name>{xml_text(node.title)}</name>"
         yield '\t\t\t\t<interior color="e5f6f7" />'
         yield '\t\t\t\t<outline color="000080" />'
         yield '\t\t\t\t<font color="000000" name="Arial" size="8" />'
-        yield f"\t\t\t\t<position>{left} {top} {left + 120} {top + 60}</position>"
+        yield f"\t\t\t\t<position>{x} {y} {x + 120} {y + 60}</position>"
         yield "\t\t\t</node>"
     yield from ("\t\t</genie>", "\t</extensions>", "</smile>")
 

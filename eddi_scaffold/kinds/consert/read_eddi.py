@@ -78,11 +78,7 @@ def consert_elements(document: EddiDocument) -> Iterator[Element]:
 
 
 class _ConSertReader:
-    """Reads one ConSert; after an error with placeholders, which nobody sees.
-
-    Attributes:
-        services: elements of its services.
-    """
+    """Reads one ConSert; after an error with placeholders, which nobody sees."""
 
     def __init__(self, element: Element, findings: EddiFindings) -> None:
         self.element, self.findings = element, findings

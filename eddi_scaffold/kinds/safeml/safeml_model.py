@@ -4,25 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from statistics import NormalDist
 from typing import ClassVar
 
+import numpy as np
+from eddi_runtime.safeml.comparison import Comparison
+
 from eddi_scaffold.common.claims import Claim, Element, Meaning, Meanings, ValidityField
+from eddi_scaffold.common.escaping import markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
-from eddi_scaffold.diagrams import Diagram
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
-from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS, show
+from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import read_named
-from eddi_scaffold.kinds.safeml.scope import NAME, Plan, SafeMLFile, SafeMLOptions
+from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, NAME, Plan, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import as_eddi_map, read_settings, settings_of_eddi
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
+from eddi_scaffold.kinds.safeml.thresholds import of_windows
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 DEFAULT_INPUT = "sample"
+_LARGEST_SHIFT = 100.0
+_SHOWN = 8
+_LEGEND = (
+    LegendEntry("samples", "rounded", "input"),
+    LegendEntry("comparison", "table", "gate"),
+    LegendEntry("verdict", "hexagon", "output"),
+)
 _PERIODS = 10  # Steps without a sample after which a window is too old, unless `max_age` is given
 
 
@@ -94,7 +107,15 @@ class SafeMLModel(Model):
         return {**sizes, "components": settings.n_components or 0}
 
     def outline(self) -> Sequence[str]:
-        return show.outline(self.data, self._planned[0])
+        plan = self._planned[0]
+        settings, name = self.data.settings, self.data.reference.source.file_name
+        rows, features = self.data.reference.rows.shape
+        facts = ["no thresholds: see `check`"] if plan is None else _facts(plan)
+        return [
+            f"{METRIC_NAMES[settings.metric]} of the last {settings.window_size} samples",
+            f"  reference {name}: {rows} rows, {features} features",
+            *(f"  {fact}" for fact in facts),
+        ]
 
     def write(self) -> Mapping[str, str]:
         if self.source.part is not None:  # of several, each with a reference of its own
@@ -105,7 +126,30 @@ class SafeMLModel(Model):
         return as_eddi_map(self.name, self.data)
 
     def diagram(self) -> Diagram:
-        return show.picture(self.name, self.data, self._planned[0])
+        """Return the picture; without thresholds where there are none."""
+        plan = self._planned[0]
+        settings, source = self.data.settings, self.data.reference.source
+        rows, features = self.data.reference.rows.shape
+        tests, threshold = ["no thresholds"], ""
+        if plan is not None:
+            tests, threshold = list(plan.labels[:_SHOWN]), f">= {plan.scale(plan.threshold):.4g}"
+            tests += [f"and {plan.tests - _SHOWN} more"] if plan.tests > _SHOWN else []
+        window = ("samples", f"the last {settings.window_size}")
+        reference = (source.file_name, f"{rows} rows, {features} features")
+        level = f"level {_percent(settings.significance_level)}"
+        nodes = (
+            DiagramNode("window", window, "rounded", "input"),
+            DiagramNode("reference", reference, "rounded", "input"),
+            DiagramNode("tests", (METRIC_NAMES[settings.metric], *tests), "table", "gate"),
+            DiagramNode("verdict", ("odd_violation", level), "hexagon", "output"),
+        )
+        edges = (
+            DiagramEdge("window", "tests"),
+            DiagramEdge("reference", "tests"),
+            DiagramEdge("tests", "verdict", threshold),
+        )
+        text = "samples and reference are compared, and the largest distance decides"
+        return Diagram(f"SafeML {self.name}", nodes, edges, "down", _LEGEND, text)
 
     def draft(self, options: Options) -> ModelDraft:
         name = options.inputs[0].id if options.inputs else DEFAULT_INPUT
@@ -152,7 +196,31 @@ class SafeMLModel(Model):
         return {"status": "SafeMLStatus"}
 
     def readme(self) -> Sequence[str]:
-        return show.readme(self.configured.plan, self.configured.frequency)
+        plan, frequency = self.configured.plan, self.configured.frequency
+        settings, level = plan.settings, plan.settings.significance_level
+        alarms = f"of correct steps, at most about {_percent(level)} are false violations"
+        if frequency is not None:
+            alarms += f": {level * frequency * 3600:,.0f} per hour at {frequency:g} Hz, in episodes"
+        metric = METRIC_NAMES[settings.metric]
+        lines = [
+            f"{metric} of the last {settings.window_size} samples to {plan.n} reference samples:",
+            "",
+            *(f"- {markdown_text(fact)}" for fact in _facts(plan)),
+            f"- {alarms}",
+        ]
+        shift = detectable_shift(plan)
+        if shift is not None:
+            lines.append(
+                f"- in every other window or more it finds a shift of {shift:.2g} standard "
+                "deviations of one tested value (normally distributed)"
+            )
+        held = "the last one" if settings.on_omission == "hold" else "false"
+        verdict = (
+            f"`omission` means that there is no verdict; then `odd_violation` is {held}. Evidence "
+            "is `NOT omission AND NOT odd_violation` (`in_scope` of the status message), never "
+            "`NOT odd_violation` alone."
+        )
+        return [*lines, "", verdict, ""]
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_safeml(self.data.reference, self.configured, declaration)
@@ -181,3 +249,51 @@ class SafeMLModel(Model):
             return self.options.plan, ()
         settings = self.data.settings
         return plan(settings, self.data.reference, single=settings.input_dtype == "float32")
+
+
+def _facts(plan: Plan) -> Sequence[str]:
+    tests = f"{plan.tests} tests" if plan.tests > 1 else "one test"
+    kinds = "features" if plan.design.table is None else "principal components"
+    residual = " and the residual" if plan.design.floor is not None else ""
+    how = f" ({plan.method}, for independent samples)"
+    if plan.calibration:
+        theoretical = f"{plan.scale(plan.theoretical):.4g}, {plan.method}"
+        ratio = f"{plan.threshold / plan.theoretical:.2f} times"
+        windows = plan.calibration.windows
+        how = f", calibrated with {windows} windows (theoretical: {theoretical}; {ratio})"
+    value, test = plan.autocorrelation
+    together = _percent(plan.settings.significance_level)
+    return (
+        f"{tests} ({kinds}{residual}) at {plan.level:.3g} each: {together} together",
+        f"threshold {plan.scale(plan.threshold):.4g}{how}",
+        f"largest autocorrelation of neighbouring samples: {value:.2f} ({plan.labels[test]})",
+    )
+
+
+def _percent(level: float) -> str:
+    return f"{100 * level:.3g} %"
+
+
+def detectable_shift(plan: Plan) -> float | None:
+    """Return the shift at which a typical window reaches the threshold.
+
+    Typical: its values are the quantiles of a normal distribution, as are those of the reference.
+    ``None`` when even the largest shift does not reach it.
+    """
+    normal, m = NormalDist(), plan.settings.window_size
+    reference, window = (
+        np.array([normal.inv_cdf((k + 0.5) / count) for k in range(count)]) for count in (plan.n, m)
+    )
+    comparison = Comparison(plan.settings.metric, reference[None], m)
+
+    def reaches(shift: float) -> bool:
+        statistic = of_windows(comparison, (window + shift)[None, None, :])[0, 0]
+        return bool(statistic >= plan.threshold)
+
+    low, high = 0.0, _LARGEST_SHIFT
+    if not reaches(high):
+        return None
+    while high - low > 1e-3:
+        middle = (low + high) / 2
+        low, high = (low, middle) if reaches(middle) else (middle, high)
+    return high

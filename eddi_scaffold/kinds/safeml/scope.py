@@ -110,40 +110,25 @@ def principal_axes(rows: Rows, count: int, *, standardize: bool) -> tuple[Rows, 
 
 
 class Design:
-    """What is tested, with the reference in this form.
-
-    Args:
-        rows: (rows, d), finite, in time order.
-        components: principal components; ``None``: the features themselves are tested.
-        standardize: divide features by their standard deviation before.
-        residual: test what the components leave out as well.
-        halves: the first half of the rows is the reference, the second one gives the axes.
-        single: samples come as float32, so the reference is rounded to float32 first.
-
-    Attributes:
-        labels: name of each test for people.
-        table: means, divisors and axes; ``None`` when the features themselves are tested.
-        floor: length of a residual that counts as 0; ``None`` when it is not tested.
-        sample: what the robot gets: the features, each ascending, or the rows of the reference.
-        reference: (K, n), each row ascending.
-    """
+    """What is tested, with the reference in this form, (K, n) with ascending rows."""
 
     def __init__(
         self,
-        rows: Rows,
+        rows: Rows,  # (rows, d), finite, in time order
         *,
-        components: int | None = None,
-        standardize: bool = False,
-        residual: bool = False,
-        halves: bool = False,
-        single: bool = False,
+        components: int | None = None,  # `None`: the features themselves are tested
+        standardize: bool = False,  # divide features by their standard deviation before
+        residual: bool = False,  # test what the components leave out as well
+        halves: bool = False,  # the first half is the reference, the second gives the axes
+        single: bool = False,  # samples come as float32, to which the reference is rounded
     ) -> None:
         rows = rounded(rows, single=single)
         reference, other = split(rows, halves=halves)
         self.labels: Sequence[str] = [f"feature {k}" for k in range(rows.shape[1])]
-        self.table: Rows | None = None
-        self.floor: float | None = None
+        self.table: Rows | None = None  # means, divisors and axes
+        self.floor: float | None = None  # length of a residual that counts as 0
         self._axes: Axes | None = None
+        # `sample` is what the robot gets: ascending features, or the rows of the reference
         if components is None:
             self.sample = self.reference = np.sort(self.series(reference), axis=1)
             return
@@ -209,8 +194,8 @@ class Plan:
 
     def scale(self, statistic: float) -> float:
         """Return a statistic as people know it: D for Kolmogorov-Smirnov."""
-        is_whole = self.settings.metric == "ks"
-        return statistic / (self.n * self.settings.window_size) if is_whole else statistic
+        is_ks = self.settings.metric == "ks"
+        return statistic / (self.n * self.settings.window_size) if is_ks else statistic
 
 
 @dataclass(frozen=True)

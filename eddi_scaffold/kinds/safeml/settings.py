@@ -130,7 +130,7 @@ def _choice(known: Mapping[str, str], node: y.Node) -> str:
     return known[text]
 
 
-def _one_of(*known: str) -> tuple[Callable[[y.Node], str], str]:
+def _choice_of(*known: str) -> tuple[Callable[[y.Node], str], str]:
     expected = " or ".join(known) if len(known) < 3 else f"one of {', '.join(known)}"
     return partial(_choice, dict(zip(known, known, strict=True))), expected
 
@@ -150,11 +150,11 @@ KEYS: Mapping[str, tuple[Callable[[y.Node], Any], str]] = {
     ),
     "standardize": (_boolean, "true or false"),
     "residual_test": (_boolean, "true or false"),
-    "calibration": _one_of("auto", "stream", "iid"),
+    "calibration": _choice_of("auto", "stream", "iid"),
     "stride": (partial(_integer, low=1, high=10**6), _FROM_1),
-    "on_omission": _one_of("hold", "clear"),
-    "input_dtype": _one_of("auto", "float32", "float64"),
-    "array_backend": _one_of("numpy", "torch"),
+    "on_omission": _choice_of("hold", "clear"),
+    "input_dtype": _choice_of("auto", "float32", "float64"),
+    "array_backend": _choice_of("numpy", "torch"),
     "calibration_stride": (partial(_integer, low=1, high=10**9), _FROM_1),
     "max_age": (partial(_above_0, below=1e18), "a number of seconds above 0"),
 }

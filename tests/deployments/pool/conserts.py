@@ -4,8 +4,19 @@ from collections.abc import Iterator, Mapping
 from random import Random
 from typing import Any
 
-from tests.deployments.pool.readings import BAD, GOOD, INVERTED, SOURCE_TYPES, SOURCES, Reading
-from tests.deployments.pool.templates import OUT, Config, Slot, Template, dump
+from tests.deployments.pool.templates import (
+    BAD,
+    GOOD,
+    INVERTED,
+    OUT,
+    SOURCE_TYPES,
+    SOURCES,
+    Config,
+    Reading,
+    Slot,
+    Template,
+    dump,
+)
 
 FORMS: tuple[tuple[Mapping[str, Any], int], ...] = (
     ({"G": 0}, 1),

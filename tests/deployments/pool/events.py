@@ -5,8 +5,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from tests.deployments.pool.readings import GOOD, SOURCES, Reading
-from tests.deployments.pool.templates import Config, Slot, Template
+from tests.deployments.pool.templates import GOOD, SOURCES, Config, Reading, Slot, Template
 
 UNSOUND = {
     "hazard over guarantee": ("g AND n > 60", "HAZARD"),

@@ -5,8 +5,17 @@ from copy import deepcopy
 from random import Random
 from typing import Any
 
-from tests.deployments.pool.readings import NUMBERS, SOURCES, TEXTS, Leaf, Reading
-from tests.deployments.pool.templates import Config, Slot, Template, dump
+from tests.deployments.pool.templates import (
+    NUMBERS,
+    SOURCES,
+    TEXTS,
+    Config,
+    Leaf,
+    Reading,
+    Slot,
+    Template,
+    dump,
+)
 
 ARRAY = Reading("array", "std_msgs/Float64MultiArray", (), "float[]", field="data")
 """It has no leaves: what is unknown of it is the verdict, which its completion draws."""

@@ -8,8 +8,17 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any
 
-from tests.deployments.pool.readings import AGAINST, SOURCES, Leaf, Reading
-from tests.deployments.pool.templates import Config, Rank, Slot, Template, dump
+from tests.deployments.pool.templates import (
+    AGAINST,
+    SOURCES,
+    Config,
+    Leaf,
+    Rank,
+    Reading,
+    Slot,
+    Template,
+    dump,
+)
 
 
 def _percent(value: Any) -> bool:

@@ -13,9 +13,8 @@ from eddi_scaffold.recordings.playing import compiled
 from tests.deployments.pool.conserts import conserts, ring, unsound_conserts
 from tests.deployments.pool.events import events, unsound_events
 from tests.deployments.pool.networks import bare_network, networks, scopes
-from tests.deployments.pool.readings import GOOD, SOURCE_TYPES
 from tests.deployments.pool.reliabilities import reliabilities
-from tests.deployments.pool.templates import Template
+from tests.deployments.pool.templates import GOOD, SOURCE_TYPES, Template
 
 
 @cache

@@ -45,9 +45,7 @@ def as_source(document: Any, name: str = "model.yml") -> Source:
 
 
 def monitor_of(
-    model: ConSertModel,
-    limit: int = STRAIGHT_LINE_LIMIT,
-    options: ConSertOptions | None = None,
+    model: ConSertModel, limit: int = STRAIGHT_LINE_LIMIT, options: ConSertOptions | None = None
 ) -> tuple[Any, Callable[[Mapping[str, Any]], Any]]:
     """Return the monitor, and what makes its input from values by id."""
     configured = replace(model, options=options or ConSertOptions())

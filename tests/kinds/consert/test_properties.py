@@ -30,6 +30,7 @@ from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.read_short import read_consert
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from tests.kinds.consert.example import ROVER, monitor_of
+from tests.kinds.consert.test_static import consert as consert_of
 
 pytestmark = pytest.mark.slow
 
@@ -50,10 +51,7 @@ subsets = st.sampled_from(["Demand", "Guarantee"])
 dimensions = (
     st.builds(BinaryDimension, texts)
     | st.builds(
-        CategoricalDimension,
-        texts,
-        st.lists(texts, min_size=1, max_size=3).map(tuple),
-        subsets,
+        CategoricalDimension, texts, st.lists(texts, min_size=1, max_size=3).map(tuple), subsets
     )
     | st.builds(
         NumericDimension,
@@ -141,18 +139,8 @@ def test_order_of_lists_changes_nothing_but_the_order():
         )
 
 
-def binary_consert(gates, edges):
-    dimension = BinaryDimension("T")
-    return ConSert(
-        "m",
-        (Guarantee("G", (dimension,)),),
-        (),
-        (Evidence("E", dimension),),
-        tuple(Gate(*gate) for gate in gates),
-        tuple(Propagation(*edge) for edge in edges),
-        (),
-        (),
-    )
+def of_one_evidence(gates, edges):
+    return consert_of(["G"], gates, " ".join(map(">".join, edges)), leaves="E")
 
 
 def test_a_ladder_of_shared_gates_is_linear():
@@ -163,7 +151,8 @@ def test_a_ladder_of_shared_gates_is_linear():
         gates += [(pair[0], "And"), (pair[1], "Or")]
         edges += [(source, target) for target in pair for source in dict.fromkeys(below)]
         below = pair
-    consert = binary_consert(gates, [*edges, *((source, "G") for source in below)])
+    edges += [(source, "G") for source in below]
+    consert = of_one_evidence(gates, edges)
     checked, problems = check_consert(consert)
     assert checked == consert
     assert not has_errors(problems)
@@ -178,6 +167,6 @@ def test_every_knot_is_reported_once(count):
     for n in range(count):
         edges += [(f"a{n}", f"b{n}"), (f"b{n}", f"a{n}"), (f"a{n}", f"a{n + 1}")]
     gates = [(f"{kind}{n}", "And") for n in range(count + 1) for kind in "ab"]
-    problems = check_consert(binary_consert(gates, edges))[1]
+    problems = check_consert(of_one_evidence(gates, edges))[1]
     cycles = [problem.message for problem in problems if problem.code == "C010"]
     assert cycles == [f"cycle: a{n} -> b{n} -> a{n}" for n in range(count)]

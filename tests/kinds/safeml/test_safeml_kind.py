@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml import KIND
+from eddi_scaffold.kinds.safeml.safeml_model import detectable_shift
 from eddi_scaffold.kinds.safeml.scope import Design, Plan
-from eddi_scaffold.kinds.safeml.show import detectable_shift
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros_packages import messages_of

@@ -1,15 +1,12 @@
 """False violations and power by simulation; thousands of windows, tens of thousands when long."""
 
-from collections.abc import Callable
-from functools import cache
-
 import numpy as np
 import pytest
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.kinds.safeml.scope import Metric
 from eddi_scaffold.kinds.safeml.thresholds import of_windows, theoretical
-from tests.kinds.safeml.simulation import WINDOW, Rows, planned, power, process, rate
+from tests.kinds.safeml.simulation import WINDOW, planned, power, process, rate
 
 pytestmark = pytest.mark.slow
 
@@ -42,18 +39,13 @@ def test_ten_independent_tests(metric: Metric, is_long: bool) -> None:
 def test_default_configuration_with_dependent_samples(phi: float, is_long: bool) -> None:
     """SESAME D7.2's configuration; thresholds come from calibration, whatever phi is."""
     references, rows = (12, 10_000) if is_long else (4, 4000)
-    found = mean_rate(lambda chance: process(rows, phi, chance), references, phi)
-    assert found < (0.13 if is_long else 0.16)
-
-
-def mean_rate(rows_of: Callable[[np.random.Generator], Rows], references: int, phi: float) -> float:
     rates = []
     for seed in range(references):
         chance = np.random.default_rng(seed)
-        rows = rows_of(chance)
+        reference = process(rows, phi, chance)
         stream = process(200 * WINDOW, phi, chance)
-        rates.append(rate(rows, planned(rows, "ks", 10), stream))
-    return float(np.mean(rates))
+        rates.append(rate(reference, planned(reference, "ks", 10), stream))
+    assert np.mean(rates) < (0.13 if is_long else 0.16)
 
 
 def test_dependent_samples_without_calibration_are_false_violations() -> None:
@@ -76,11 +68,6 @@ def test_a_flat_spectrum(is_long: bool) -> None:
     assert np.mean(found) < (0.13 if is_long else 0.15)
 
 
-@cache
-def found(metric: Metric, components: int | None, fault: str) -> float:
-    return power(metric, components, fault, references=2, windows=100)
-
-
 @pytest.mark.parametrize(
     ("metric", "components", "fault", "low", "high"),
     [
@@ -96,7 +83,7 @@ def found(metric: Metric, components: int | None, fault: str) -> float:
     ],
 )
 def test_power(metric: Metric, components: int | None, fault: str, low: float, high: float) -> None:
-    assert low <= found(metric, components, fault) <= high
+    assert low <= power(metric, components, fault, references=2, windows=100) <= high
 
 
 def test_a_constant_feature_that_moves_is_seen_by_the_residual() -> None:
