@@ -98,10 +98,6 @@ class EddiDocument:
         """Return whether an element is a root object, or the ``xmi:XMI`` above the roots."""
         return element in self._documents
 
-    def at(self, path: str) -> Element | None:
-        """Return the element at a canonical path, ``None`` when there is none."""
-        return self.references.at(path)
-
     def class_or_feature(self, element: Element) -> str:
         """Return the class that an element states, else the feature that it is in."""
         return self.class_of(element).printed or feature_of(element)

@@ -204,7 +204,7 @@ class Observed:
         conserts = self._models["subject"]
         for value in extension_map.of("subject")[:1]:
             name, _, evidence = value.text.partition("/")
-            consert = self._document.at(conserts.get(name, ""))
+            consert = self._document.references.at(conserts.get(name, ""))
             children = [] if consert is None else self._document.children(consert, names.EVIDENCE)
             by_name = {child.get("name") or "": child for child in children}
             if evidence in by_name:

@@ -81,7 +81,7 @@ def events_of(links: Links, id_: str) -> tuple[str, ...]:
 
 def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
     """Return the links of what is in the element that a model (or its cause) was read from."""
-    element = document.at(place.path) if links and place.path else None
+    element = document.references.at(place.path) if links and place.path else None
     while element is not None and not document.is_monitored(element):
         parent = element.getparent()
         if parent is None or fold(feature_of(element)) == _MAPS:
@@ -125,7 +125,7 @@ class _LinkGraph:
     def linked(self) -> Iterator[tuple[str, Linked]]:
         """Yield path and links of each monitored element that has some."""
         for path in dict.fromkeys([*self._referring, *self._referred, *self._stands_for]):
-            start = self._document.at(path)
+            start = self._references.at(path)
             if start is None or self._package(start) is not None:
                 continue
             ends = self._ends(path)

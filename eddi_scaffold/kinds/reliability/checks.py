@@ -18,7 +18,6 @@ from eddi_scaffold.kinds.reliability.system import (
     FaultTree,
     Gate,
     ReliabilitySystem,
-    inputs_of,
     order,
 )
 
@@ -227,10 +226,9 @@ def _combination(system: ReliabilitySystem) -> Iterator[Problem]:
     yield from _dependence(system)
     types: dict[str, str] = {MISSION_END: "float"} if system.mission_end else {}
     for component in used:
-        alone = ReliabilitySystem({component.name: component}, component.name)
         # a verdict may serve several chains
         shared = "bool" if isinstance(component.content, Chain) else ""
-        for input_ in inputs_of(alone):
+        for input_ in component.inputs():
             if types.get(input_.id, shared) != shared:
                 yield problem("R001.same_input", component.place, input=input_.id)
             types[input_.id] = input_.type
