@@ -188,16 +188,15 @@ class Observed:
 
     def _observe_event(self, owner: Element, value: Value) -> None:
         event = self._events.get(value.text)
+        kind = self._document.class_of(owner).name or fold(feature_of(owner))
         if event is None:
             self._report_unknown(value, value.text, self._events)
-            return
-        if event.is_hazard and names.EVIDENCE.accepts(feature_of(owner)):
+        elif event.is_hazard and names.EVIDENCE.accepts(feature_of(owner)):
             self.problems.append(problem("X033.hazard", value.place, event=value.text))
-            return
-        kind = self._document.class_of(owner).name or fold(feature_of(owner))
-        if not event.is_hazard and kind in {"hazard", "hazards"}:
-            self.problems.append(problem("X033.evidence", value.place, event=value.text))
-        self.by.append((owner, event.path, value.text.partition("/")[2]))
+        else:
+            if not event.is_hazard and kind in {"hazard", "hazards"}:
+                self.problems.append(problem("X033.evidence", value.place, event=value.text))
+            self.by.append((owner, event.path, value.text.partition("/")[2]))
 
     def _subject(self, extension_map: ExtensionMap) -> Element:
         """Return the evidence that a map is about, which may stand on another element."""
