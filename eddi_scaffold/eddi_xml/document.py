@@ -7,7 +7,7 @@ prefixes differ between generations of one metamodel.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
@@ -263,8 +263,11 @@ class EddiFindings:
 
     def only(self, parent: Element, spelling: Spelling) -> Element | None:
         """Return the child in a feature that may hold one; report others (X011)."""
-        children = self.document.children(parent, spelling)
-        first, problems = only(children, "X011.twice", self.document.place)
+        return self.first(self.document.children(parent, spelling))
+
+    def first(self, elements: Sequence[Element]) -> Element | None:
+        """Return the first of what may be there once; report others (X011)."""
+        first, problems = only(elements, "X011.twice", self.document.place)
         self.add(*problems)
         return first
 

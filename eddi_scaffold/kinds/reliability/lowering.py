@@ -147,11 +147,12 @@ class FaultTree:
         if self.cut_sets is not None:
             return None
         observed = frozenset(i for i, event in enumerate(self.events) if event.input is not None)
-        events = len(self.events)
-        return build(events, self.gates, self.top, observed, self.limit, self.certain)
+        numbers = (len(self.events), self.gates, self.top, observed, self.limit)
+        return _diagram(*numbers, tuple(self.certain.items()))
 
 
 _cut_sets = lru_cache(maxsize=8)(minimal_cut_sets)
+_diagram = lru_cache(maxsize=8)(build)
 Component = Markov | Propulsion | Battery | Processor | KOutOfN | Series | FaultTree
 
 
