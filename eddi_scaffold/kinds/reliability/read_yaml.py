@@ -274,11 +274,8 @@ def _component(
     before = base.components.get(name)
     kind = entry.text("type") or (before.type if before else None)
     if kind is None:
-        other = library.get(entry.text("model") or "")
         hint = f"write `type:` and one of {', '.join(system.TYPES)}"
-        if other is not None:
-            hint = f"write `type: {other.components[other.top].type}`"
-        elif base.components:
+        if base.components:
             known = base.components
             hint = did_you_mean(name, known) or f"the model has {', '.join(known)}; {hint}"
         entry.report("R001.no_type", hint=hint, name=name)
