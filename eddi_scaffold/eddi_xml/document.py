@@ -7,7 +7,7 @@ prefixes differ between generations of one metamodel.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
@@ -49,22 +49,8 @@ _COMPLETELY_KNOWN = ("failurelogic", "bayesiannetwork")  # packages: every class
 _SIMILAR = 0.8
 MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
 """Kinds of models that monitors are made of."""
-_BY_CLASS = {
-    "bayesiannetwork": "bayesian_network",
-    "faulttree": "fault_tree",
-    "markovchain": "markov_chain",
-    "statemachine": "state_machine",
-    "fmea": "fmea",
-    "fmeda": "fmea",
-    "failuremodel": "failure_model",
-    "assurancecasepackage": "assurance_case",
-}
-_BY_FEATURE = {  # where xsi:type is absent; without the s of its plural
-    "consert": "consert",
-    "assurancecasepackage": "assurance_case",
-    "bayesiannetwork": "bayesian_network",
-    "failuremodel": "failure_model",
-}
+_BY_CLASS: Mapping[str, str] = METAMODEL["kinds"]
+_BY_FEATURE: Mapping[str, str] = METAMODEL["kinds_of_features"]
 
 
 class EddiDocument:

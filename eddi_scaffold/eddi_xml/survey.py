@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import PurePath
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ from eddi_scaffold.eddi_xml.document import CLASSES, KNOWN_CLASSES, MONITORED, E
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
-from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, Spelling, fold, local_name
+from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, fold, local_name
 
 _READ, _LEFT_OUT = frozenset(CLASSES["read"]), frozenset(CLASSES["left_out"])
 _MAPS = "keyvaluemaps"
@@ -71,39 +71,18 @@ def survey(document: EddiDocument) -> dict[str, Any]:
     return {"models": models, "packages": packages, "elements": elements, "references": numbers}
 
 
-_PATHS: Mapping[str, Mapping[str, Sequence[Spelling]]] = {
-    "consert": {
-        "guarantees": [names.GUARANTEES],
-        "demands": [names.DEMANDS],
-        "evidence": [names.EVIDENCE],
-        "gates": [names.GATES],
-        "tree_propagations": [names.PROPAGATIONS],
-    },
-    "bayesian_network": {
-        "nodes": [names.NODES],
-        "states": [names.NODES, names.NODE_STATES],
-        "connections": [names.CONNECTIONS],
-        "rows": [names.NODES, names.ROWS],
-    },
-    "fault_tree": {"causes": [names.CAUSES], "failures": [names.FAILURES]},
-    "markov_chain": (
-        chain := {
-            "states": [names.STATES],
-            "transitions": [names.TRANSITIONS],
-            "failures": [names.FAILURES],
-        }
-    ),
-    "state_machine": chain,
-    "fmea": {"entries": [Spelling("entries")], "failures": [names.FAILURES]},
-    "failure_model": {"failures": [names.FAILURES]},
-    "assurance_case": {},
+_PATHS = {
+    kind: [
+        (key, [getattr(names, name) for name in path.split(".")])
+        for key, path in (pair.split(":") for pair in text.split())
+    ]
+    for kind, text in METAMODEL["counts"].items()
 }
-"""Kind -> what of it is counted: the elements at the end of a path of features."""
 
 
 def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]:
     parts: dict[str, list[Element]] = {}
-    for key, path in _PATHS[kind].items():
+    for key, path in _PATHS[kind]:
         parts[key] = [model]
         for feature in path:
             parts[key] = [c for each in parts[key] for c in document.children(each, feature)]

@@ -17,18 +17,12 @@ _NEGATED = {"nand": "AND", "nor": "OR", "iff": "XOR"}
 _REFERENCES = ("event", "gate", "basic-event", "house-event", "constant")
 _EVENTS = ("define-gate", "define-basic-event", "define-house-event")
 _CONTAINERS = ("define-fault-tree", "define-component")
-_COMMON_CAUSES = (
-    "make each member an `or` of its own event and of one that all members share: with a "
-    "beta-factor, these have (1 - beta) and beta of the rate or probability"
-)
-_SUBSTITUTIONS = "write what they do as gates: an exclusion is the top `and` `not` the hypothesis"
-_INCLUDE = "put its definitions in place of this element: a package remembers one model file"
 _CHANGES = {
-    "define-CCF-group": ("common causes", _COMMON_CAUSES),
-    "define-substitution": ("substitutions", _SUBSTITUTIONS),
-    "include": ("other files", _INCLUDE),
+    "define-CCF-group": "R017.common_causes",
+    "define-substitution": "R017.substitution",
+    "include": "R017.include",
 }
-"""What changes the probability of a tree, so that it must not be left out: subject, and hint."""
+"""What changes the probability of a tree, so that it must not be left out."""
 _ONE_FILE = "the definitions of a model that is in several files must be in one"
 _UNITS = {"hours-1": 1.0, "years-1": 1.0 / 8760.0, "fit": 1e-9, "hours": 1.0, "years": 8760.0}
 _NO_UNITS = ("", "bool", "int", "float", "demands")
@@ -102,10 +96,9 @@ class _Reader:
             if kind == "model-data":
                 self.declare(element, tree)
             elif kind in _CHANGES:
-                contents, hint = _CHANGES[kind]
                 named = name or (element.get("file") or "").strip()
-                fields = {"named": f" {named!r}" if named else "", "contents": contents}
-                fault = self._fault("R017.content", element, hint=hint, type=kind, **fields)
+                named = f" {named!r}" if named else ""
+                fault = self._fault(_CHANGES[kind], element, type=kind, named=named)
             elif kind not in (*_EVENTS, *_CONTAINERS, "define-parameter"):
                 if kind not in ("label", "attributes"):
                     doubt = problem("R018.element", self._place(element), type=kind)
