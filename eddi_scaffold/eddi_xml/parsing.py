@@ -94,7 +94,6 @@ class Limits(NamedTuple):
 
 
 DEFAULT_LIMITS = Limits()
-_FIXED = "depth 256 and 10 MB per text or attribute are fixed limits; split the model"
 
 
 def load(
@@ -231,7 +230,7 @@ def _syntax_error(
             place = Place(name, starts[0])
         return problem("X001.quote", place, reason=message)
     if "XML_PARSE_HUGE" in message or "too long" in message or "Resource limit" in message:
-        return problem("X003.parser", place, hint=_FIXED, reason=message)
+        return problem("X003.parser", place, reason=message)
     return problem("X001.syntax", place, hint=syntax_hint(head, message), reason=message)
 
 

@@ -71,20 +71,12 @@ def survey(document: EddiDocument) -> dict[str, Any]:
     return {"models": models, "packages": packages, "elements": elements, "references": numbers}
 
 
-_PATHS = {
-    kind: [
-        (key, [getattr(names, name) for name in path.split(".")])
-        for key, path in (pair.split(":") for pair in text.split())
-    ]
-    for kind, text in METAMODEL["counts"].items()
-}
-
-
 def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]:
     parts: dict[str, list[Element]] = {}
-    for key, path in _PATHS[kind]:
+    for pair in METAMODEL["counts"][kind].split():
+        key, _, path = pair.partition(":")
         parts[key] = [model]
-        for feature in path:
+        for feature in (getattr(names, name) for name in path.split(".")):
             parts[key] = [c for each in parts[key] for c in document.children(each, feature)]
     counts = {key: len(elements) for key, elements in parts.items()}
     if kind == "fault_tree":

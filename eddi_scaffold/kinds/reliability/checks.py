@@ -31,9 +31,7 @@ def check_system(system: ReliabilitySystem) -> list[Problem]:
     """Return all problems of the models that the top uses (R001, R002, R005 to R013)."""
     problems: list[Problem] = []
     for check in (_references, _contents, _combination):
-        problems += check(system)
-        if has_errors(problems):
-            break
+        problems += [] if has_errors(problems) else check(system)
     return problems
 
 

@@ -247,8 +247,7 @@ def _thresholds(values: Values) -> tuple[system.Threshold, ...]:
         hold = entry.quantity("hold", duration, 0.0, needs_unit=True)
         topic = entry.text("topic")
         if topic is not None and not is_ros_name(topic):
-            expected = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
-            entry.report("R002.topic", "topic", expected=expected)
+            entry.report("R002.topic", "topic")
         if name is None or activate is None or release is None:
             continue
         if _ID.fullmatch(name) is None:
