@@ -7,7 +7,7 @@ prefixes differ between generations of one metamodel.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
@@ -49,22 +49,8 @@ _COMPLETELY_KNOWN = ("failurelogic", "bayesiannetwork")  # packages: every class
 _SIMILAR = 0.8
 MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
 """Kinds of models that monitors are made of."""
-_BY_CLASS = {
-    "bayesiannetwork": "bayesian_network",
-    "faulttree": "fault_tree",
-    "markovchain": "markov_chain",
-    "statemachine": "state_machine",
-    "fmea": "fmea",
-    "fmeda": "fmea",
-    "failuremodel": "failure_model",
-    "assurancecasepackage": "assurance_case",
-}
-_BY_FEATURE = {  # where xsi:type is absent; without the s of its plural
-    "consert": "consert",
-    "assurancecasepackage": "assurance_case",
-    "bayesiannetwork": "bayesian_network",
-    "failuremodel": "failure_model",
-}
+_BY_CLASS: Mapping[str, str] = METAMODEL["kinds"]
+_BY_FEATURE: Mapping[str, str] = METAMODEL["kinds_of_features"]
 
 
 class EddiDocument:
@@ -97,10 +83,6 @@ class EddiDocument:
     def is_root(self, element: Element) -> bool:
         """Return whether an element is a root object, or the ``xmi:XMI`` above the roots."""
         return element in self._documents
-
-    def at(self, path: str) -> Element | None:
-        """Return the element at a canonical path, ``None`` when there is none."""
-        return self.references.at(path)
 
     def class_or_feature(self, element: Element) -> str:
         """Return the class that an element states, else the feature that it is in."""
@@ -267,8 +249,11 @@ class EddiFindings:
 
     def only(self, parent: Element, spelling: Spelling) -> Element | None:
         """Return the child in a feature that may hold one; report others (X011)."""
-        children = self.document.children(parent, spelling)
-        first, problems = only(children, "X011.twice", self.document.place)
+        return self.first(self.document.children(parent, spelling))
+
+    def first(self, elements: Sequence[Element]) -> Element | None:
+        """Return the first of what may be there once; report others (X011)."""
+        first, problems = only(elements, "X011.twice", self.document.place)
         self.add(*problems)
         return first
 

@@ -188,23 +188,22 @@ class Observed:
 
     def _observe_event(self, owner: Element, value: Value) -> None:
         event = self._events.get(value.text)
+        kind = self._document.class_of(owner).name or fold(feature_of(owner))
         if event is None:
             self._report_unknown(value, value.text, self._events)
-            return
-        if event.is_hazard and names.EVIDENCE.accepts(feature_of(owner)):
+        elif event.is_hazard and names.EVIDENCE.accepts(feature_of(owner)):
             self.problems.append(problem("X033.hazard", value.place, event=value.text))
-            return
-        kind = self._document.class_of(owner).name or fold(feature_of(owner))
-        if not event.is_hazard and kind in {"hazard", "hazards"}:
-            self.problems.append(problem("X033.evidence", value.place, event=value.text))
-        self.by.append((owner, event.path, value.text.partition("/")[2]))
+        else:
+            if not event.is_hazard and kind in {"hazard", "hazards"}:
+                self.problems.append(problem("X033.evidence", value.place, event=value.text))
+            self.by.append((owner, event.path, value.text.partition("/")[2]))
 
     def _subject(self, extension_map: ExtensionMap) -> Element:
         """Return the evidence that a map is about, which may stand on another element."""
         conserts = self._models["subject"]
         for value in extension_map.of("subject")[:1]:
             name, _, evidence = value.text.partition("/")
-            consert = self._document.at(conserts.get(name, ""))
+            consert = self._document.references.at(conserts.get(name, ""))
             children = [] if consert is None else self._document.children(consert, names.EVIDENCE)
             by_name = {child.get("name") or "": child for child in children}
             if evidence in by_name:

@@ -8,7 +8,7 @@ everything.
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, NamedTuple
@@ -66,6 +66,7 @@ class Linked(NamedTuple):
 
 
 Links = Mapping[str, Linked]  # path of an element of a monitored model -> what is linked with it
+_Edges = dict[str, dict[str, Element]]
 
 
 def links_of(document: EddiDocument, observed: Observed | None = None) -> Links:
@@ -81,7 +82,7 @@ def events_of(links: Links, id_: str) -> tuple[str, ...]:
 
 def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
     """Return the links of what is in the element that a model (or its cause) was read from."""
-    element = document.at(place.path) if links and place.path else None
+    element = document.references.at(place.path) if links and place.path else None
     while element is not None and not document.is_monitored(element):
         parent = element.getparent()
         if parent is None or fold(feature_of(element)) == _MAPS:
@@ -100,8 +101,8 @@ class _LinkGraph:
         self._path = self._references.path
         self._models: list[Element] = []
         # Path -> path and element of each that refers to it; to which it refers.
-        self._referring: dict[str, dict[str, Element]] = defaultdict(dict)
-        self._referred: dict[str, dict[str, Element]] = defaultdict(dict)
+        self._referring: _Edges = defaultdict(dict)
+        self._referred: _Edges = defaultdict(dict)
         # Path -> paths whose links are its own: of a cause its failure, of evidence its event.
         self._stands_for = {path: list(events) for path, events in observed.events.items()}
         self._packages: dict[Element, str | None] = {}
@@ -125,7 +126,7 @@ class _LinkGraph:
     def linked(self) -> Iterator[tuple[str, Linked]]:
         """Yield path and links of each monitored element that has some."""
         for path in dict.fromkeys([*self._referring, *self._referred, *self._stands_for]):
-            start = self._document.at(path)
+            start = self._references.at(path)
             if start is None or self._package(start) is not None:
                 continue
             ends = self._ends(path)
@@ -140,10 +141,9 @@ class _LinkGraph:
                 yield path, Linked(feature, name, line, links, is_cut)
 
     def _link(self, element: Element) -> Link:
-        place = self._document.place(element)
+        place, condition = self._document.place(element), element.get("condition")
         class_name = local_name(self._document.class_or_feature(element))
         name = self._document.name_of(element) or element.get("gid") or ""
-        condition = element.get("condition")
         if condition and fold(class_name).endswith("event"):  # for people: nothing evaluates it
             name += f" ({condition})"
         return Link(class_name, name, place.path or "/", place.line)
@@ -202,11 +202,9 @@ class _LinkGraph:
                 yield fold(local_name(name)), ends
 
     def _ends(self, start: str) -> list[Element]:
-        first = {start: None}
-        for path in (waiting := [start]):
-            new = [other for other in self._stands_for.get(path, ()) if other not in first]
-            first |= dict.fromkeys(new)
-            waiting += new
+        first = [start]
+        for path in first:
+            first += [other for other in self._stands_for.get(path, ()) if other not in first]
         ends: dict[str, Element] = {}
         for path in first:
             ends |= self._referred.get(path, {})
@@ -214,15 +212,9 @@ class _LinkGraph:
         self._follow(self._referred, list(ends), ends)
         return [element for path, element in ends.items() if path not in first]
 
-    def _follow(
-        self,
-        edges: Mapping[str, Mapping[str, Element]],
-        start: list[str],
-        ends: dict[str, Element],
-    ) -> None:
-        waiting = deque(start)
-        while waiting:
-            for path, element in edges.get(waiting.popleft(), {}).items():
+    def _follow(self, edges: _Edges, waiting: list[str], ends: dict[str, Element]) -> None:
+        for start in waiting:
+            for path, element in edges.get(start, {}).items():
                 self._budget -= 1
                 if len(ends) >= _MOST or self._budget < 0:
                     return

@@ -133,13 +133,21 @@ class References:
         """Explain why a path points at nothing: the first segment that fails and what is there."""
         if fragment.root >= len(self._roots):
             return f"the file has {len(self._roots)} roots, the index {fragment.root} is too large"
-        element = self._roots[fragment.root]
-        for segment in fragment.segments.split("/@")[1:]:
-            child = self._step(element, segment)
-            if child is None:
-                return self._explain_segment(element, segment)
-            element = child
-        return "it exists"
+        element, segments = self._roots[fragment.root], fragment.segments.split("/@")[1:]
+        while (child := self._step(element, segments[0])) is not None and segments[1:]:
+            element, segments = child, segments[1:]
+        name, _, digits = segments[0].partition(".")
+        path, by_name = self.path(element), self._children(element).by_name
+        if name in by_name:
+            count = len(by_name[name])
+            range_ = f"the index {digits} is out of range (0 to {count - 1})"
+            return f'{path} has {count} "{name}", {range_}'
+        if not by_name:
+            return f'{path} has no "{name}", it has no children'
+        features = [f'"{other}" ({len(group)})' for other, group in by_name.items()]
+        features = features[:8] + (["others"] if len(features) > 8 else [])
+        listed = " and ".join(filter(None, (", ".join(features[:-1]), features[-1])))
+        return f'{path} has no "{name}", it has {listed}'
 
     @cached_property
     def _ids(self) -> dict[str, list[Element]]:
@@ -172,17 +180,3 @@ class References:
         is_file_wrong = is_misprint(printed) and not is_misprint(name)
         self.misprints[(printed, name) if is_file_wrong else (name, printed)] += 1
         return similar[index]
-
-    def _explain_segment(self, parent: Element, segment: str) -> str:
-        name, _, digits = segment.partition(".")
-        path, by_name = self.path(parent), self._children(parent).by_name
-        if name in by_name:
-            count = len(by_name[name])
-            range_ = f"the index {digits} is out of range (0 to {count - 1})"
-            return f'{path} has {count} "{name}", {range_}'
-        if not by_name:
-            return f'{path} has no "{name}", it has no children'
-        features = [f'"{other}" ({len(group)})' for other, group in by_name.items()]
-        features = features[:8] + (["others"] if len(features) > 8 else [])
-        listed = " and ".join(filter(None, (", ".join(features[:-1]), features[-1])))
-        return f'{path} has no "{name}", it has {listed}'

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import PurePath
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ from eddi_scaffold.eddi_xml.document import CLASSES, KNOWN_CLASSES, MONITORED, E
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
-from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, Spelling, fold, local_name
+from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, fold, local_name
 
 _READ, _LEFT_OUT = frozenset(CLASSES["read"]), frozenset(CLASSES["left_out"])
 _MAPS = "keyvaluemaps"
@@ -35,6 +35,11 @@ def survey(document: EddiDocument) -> dict[str, Any]:
     packages in them; ``elements`` and ``references`` are numbers, also of the unresolved ones.
     """
     references = References(document.roots)  # its own: it must not disturb a reader's remarks
+
+    def described(key: str, value: str, name: str, element: Element) -> dict[str, Any]:
+        place = document.place(element)
+        return {key: value, "name": name, "path": place.path or "/", "line": place.line}
+
     models: list[dict[str, Any]] = []
     elements = total = unresolved = 0
     for element in document.document.iter():
@@ -43,7 +48,7 @@ def survey(document: EddiDocument) -> dict[str, Any]:
         if kind is not None:
             name = document.name_of(element) or PurePath(document.name).stem
             counts = _counts(document, kind, element)
-            models.append({"kind": kind, "name": name, **_at(document, element), "counts": counts})
+            models.append({**described("kind", kind, name, element), "counts": counts})
         # a reference shows by its form, in any attribute
         texts = (str(value) for value in element.values() if "/@" in value)
         for token in (token for text in texts for token in text.split() if "/@" in token):
@@ -56,64 +61,22 @@ def survey(document: EddiDocument) -> dict[str, Any]:
         if extension_map.key == EVENTS:
             kind, tags = "event", {"events": "EVENT", "variables": "VAR"}
             counts = {name: len(extension_map.of(tag)) for name, tag in tags.items()}
-        at, name = _at(document, extension_map.element), extension_map.model or ""
-        models.append({"kind": kind, "name": name, **at, "counts": counts})
+        entry = described("kind", kind, extension_map.model or "", extension_map.element)
+        models.append({**entry, "counts": counts})
     packages = [
-        {
-            "class": document.class_or_feature(package),
-            "name": document.name_of(package),
-            **_at(document, package),
-        }
+        described("class", document.class_or_feature(package), document.name_of(package), package)
         for package in document.packages()
     ]
-    return {
-        "models": models,
-        "packages": packages,
-        "elements": elements,
-        "references": {"total": total, "unresolved": unresolved},
-    }
-
-
-def _at(document: EddiDocument, element: Element) -> dict[str, Any]:
-    place = document.place(element)
-    return {"path": place.path or "/", "line": place.line}
-
-
-_PATHS: Mapping[str, Mapping[str, Sequence[Spelling]]] = {
-    "consert": {
-        "guarantees": [names.GUARANTEES],
-        "demands": [names.DEMANDS],
-        "evidence": [names.EVIDENCE],
-        "gates": [names.GATES],
-        "tree_propagations": [names.PROPAGATIONS],
-    },
-    "bayesian_network": {
-        "nodes": [names.NODES],
-        "states": [names.NODES, names.NODE_STATES],
-        "connections": [names.CONNECTIONS],
-        "rows": [names.NODES, names.ROWS],
-    },
-    "fault_tree": {"causes": [names.CAUSES], "failures": [names.FAILURES]},
-    "markov_chain": (
-        chain := {
-            "states": [names.STATES],
-            "transitions": [names.TRANSITIONS],
-            "failures": [names.FAILURES],
-        }
-    ),
-    "state_machine": chain,
-    "fmea": {"entries": [Spelling("entries")], "failures": [names.FAILURES]},
-    "failure_model": {"failures": [names.FAILURES]},
-    "assurance_case": {},
-}
-"""Kind -> what of it is counted: the elements at the end of a path of features."""
+    numbers = {"total": total, "unresolved": unresolved}
+    return {"models": models, "packages": packages, "elements": elements, "references": numbers}
 
 
 def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]:
     parts: dict[str, list[Element]] = {}
-    for key, path in _PATHS[kind].items():
+    for pair in METAMODEL["counts"][kind].split():
+        key, _, path = pair.partition(":")
         parts[key] = [model]
-        for feature in path:
+        for feature in (getattr(names, name) for name in path.split(".")):
             parts[key] = [c for each in parts[key] for c in document.children(each, feature)]
     counts = {key: len(elements) for key, elements in parts.items()}
     if kind == "fault_tree":
@@ -124,20 +87,21 @@ def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]
     if kind == "assurance_case":
         inside = [e for e in model.iterdescendants() if feature_of(e) == "argumentationElement"]
         classes = Counter(document.class_of(element).name for element in inside)
-        artifacts = sum(feature_of(e) == "artifactElement" for e in model.iterdescendants())
-        counts = {"argumentation_elements": len(inside), "claims": classes["claim"]}
-        counts["artifact_references"] = classes["artifactreference"]
-        counts["artifact_elements"] = artifacts
+        counts = {
+            "argumentation_elements": len(inside),
+            "claims": classes["claim"],
+            "artifact_references": classes["artifactreference"],
+            "artifact_elements": len(select(model, './/*[local-name()="artifactElement"]')),
+        }
     if kind == "consert":  # the services that it refers to, or that its configuration holds
         parent = model.getparent()
-        if parent is not None and not names.CONFIGURATIONS.accepts(feature_of(parent)):
-            parent = None
+        is_inside = parent is not None and names.CONFIGURATIONS.accepts(feature_of(parent))
         for key, elements, link, listed in (
             ("required_services", "demands", names.REQUIRED_SERVICE, names.REQUIRED_SERVICES),
             ("provided_services", "guarantees", names.PROVIDED_SERVICE, names.PROVIDED_SERVICES),
         ):
             texts = (document.attribute(element, link) or "" for element in parts[elements])
-            services = document.children(parent, listed) if parent is not None else []
+            services = document.children(parent, listed) if parent is not None and is_inside else ()
             counts[key] = len(services) or len({token for text in texts for token in text.split()})
     return counts
 
@@ -185,11 +149,8 @@ def unread(document: EddiDocument) -> list[Unread]:
     result = []
     for class_name, elements in classes.items():
         below = [each for element in elements for each in element.iterdescendants()]
-        inside = Counter(
-            local_name(document.class_or_feature(each))
-            for each in below
-            if _is_left_out(document, each)
-        )
+        models = [each for each in below if _is_left_out(document, each)]
+        inside = Counter(local_name(document.class_or_feature(each)) for each in models)
         number, place = len(elements), document.place(elements[0])
         result.append(Unread(class_name, number, number + len(below), inside, place))
     return result
@@ -200,26 +161,26 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
     known = set(packages)
     inside: set[Element] = set()
     for package in packages:
+        class_name = document.class_of(package).name
         if document.is_monitored(package):
             continue  # a model by itself is read completely
         if package.getparent() in inside:
             inside.add(package)  # reported with the enclosing package
-        elif document.class_of(package).name in _READ or document.holds_models(package):
-            for child in package.iterchildren():
-                if child not in known and fold(feature_of(child)) != _MAPS:
-                    yield from _unread_of_child(document, package, child)
+        elif class_name in _READ or document.holds_models(package):
+            is_read = class_name in _READ - {"ddipackage"}
+            children = [c for c in package.iterchildren() if c not in known]
+            for child in (c for c in children if fold(feature_of(c)) != _MAPS):
+                if is_read or document.holds_models(child):
+                    yield from _left_out_below(document, child)
+                else:
+                    yield child
         elif fold(document.class_or_feature(package)).endswith(("package", "packages")):
             inside.add(package)
             yield package
 
 
-def _unread_of_child(document: EddiDocument, package: Element, child: Element) -> Iterator[Element]:
-    """Yield what is not read of a child of a package that is, at least in part."""
-    is_read = document.class_of(package).name in _READ - {"ddipackage"}
-    if not is_read and not document.holds_models(child):
-        yield child
-        return
-    waiting = [child]
+def _left_out_below(document: EddiDocument, element: Element) -> Iterator[Element]:
+    waiting = [element]
     while waiting:
         element = waiting.pop()
         if _is_left_out(document, element):

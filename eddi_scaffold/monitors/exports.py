@@ -34,7 +34,7 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
         document, problems = read_document(Source(source.name, data))
         if document is None:
             raise EddiError(*problems)
-        element = document.at(at)
+        element = document.references.at(at)
         if element is None:
             raise EddiError(problem("X007.at", Place(source.name), path=at))
         data = with_map(data, document, element, *eddi_map)

@@ -1,6 +1,5 @@
 """What an EDDI says around its monitored models: who refers to them, and what observes what."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +7,6 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.eddi_xml.links import links_of
 from eddi_scaffold.monitors.compiling import from_json
-from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.platforms import platforms
@@ -66,33 +64,6 @@ def test_an_event_leads_to_the_hazard_that_it_observes() -> None:
         f"{events}.4": ["FallsOnPerson"],
         "//@odeProductPackages.2/@conSerts.0/@runtimeEvidence.0": ["FallsOnPerson"],
     }
-    models = {model.name: model for model in read_models(Source("l.xml", LANDING.encode())).models}
-    assert {name: len(model.links) for name, model in models.items()} == {
-        "Landing": 1,
-        "motor_watch": 2,
-    }
-
-
-def test_a_guarantee_leads_back_to_its_hazard(tmp_path: Path) -> None:
-    (tmp_path / "landing.xml").write_text(LANDING, "utf-8")
-    monitors, problems = monitors_of(tmp_path / "landing.xml", [])
-    made = assemble(monitors, platforms()["plain"], tmp_path, problems)
-    traces = {one.folder: trace_of(one.answers) for one in made.packages}
-    hazard = "hazards FallsOnPerson (landing.xml:21)"
-    assert f"linked with {hazard} through MotorFit" in traces["landing"].as_text()
-    rows = {row.id: traces["motor_watch"].cells(row) for row in traces["motor_watch"].rows}
-    assert rows.keys() == {"hot", "MotorFit", "temp"}
-    assert len(traces["motor_watch"].rows) == 3
-    assert (rows["hot"][0], rows["hot"][-1]) == ("event", hazard)
-    assert json.loads(json.dumps(traces["landing"].as_json()))["elements"][-1]["links"] == [
-        {
-            "class": "hazards",
-            "name": "FallsOnPerson",
-            "line": 21,
-            "path": "//@odeProductPackages.1/@hazards.0",
-            "through": "MotorFit",
-        }
-    ]
 
 
 def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:

@@ -43,12 +43,6 @@ def test_what_the_condition_reads_is_the_first_candidate(tmp_path: Path) -> None
     assert lines[first + 4].startswith("expression: TODO")
 
 
-def test_the_event_of_a_node_is_named(tmp_path: Path) -> None:
-    model = FOLDER / "07_bayesian_network.xml"
-    drafted = run("connect", str(model), cwd=tmp_path).out
-    assert "# connect: the EDDI names the event fog seen (fog.density > 0.4)" in drafted
-
-
 def test_the_event_of_another_monitor_is_taken(tmp_path: Path) -> None:
     text = (FOLDER / "01_consert_minimal.xml").read_text("utf-8")
     text = text.replace(EVENT, 'name="enough"')

@@ -3,7 +3,6 @@
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.links import links_of
-from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, expected
 
 
@@ -21,13 +20,3 @@ def test_links_lead_out_of_a_model_and_along_traces() -> None:
     assert names["CameraFit"] == ["SR-1"]
     assert names["GpsFit"][0] == "SR-GPS"
     assert "SR-GPS" not in names["ReturnHome"][:2]
-
-
-def test_events_of_evidence_are_shown_with_their_condition() -> None:
-    shown = run("show", "01_consert_minimal.xml", cwd=FOLDER).out
-    assert "of the system Rover" in shown
-    assert (
-        "BatteryFit is linked with SafetyRequirement SR-1; ConditionEvent battery above 30 %"
-        in shown
-    )
-    assert "(battery.percentage > 0.3)" in shown

@@ -39,19 +39,3 @@ def test_what_states_mean_is_said_to_be_unused() -> None:
         if "dimension" in one.message
     )
     assert (said.code, said.level) == ("X014", "info")
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "code"),
-    [
-        ('@nodes.0" event=', '@nodes.9" event=', "X007"),
-        ("/@events.0", "/@events.9", "X007"),
-        ("/@actions.0", "/@actions.9", "X007"),
-        ('@nodes.3" action=', '@nodes.3/@nodeStates.0" action=', "X009"),
-    ],
-)
-def test_references_of_intents_are_resolved(old: str, new: str, code: str) -> None:
-    text = (FOLDER / "07_bayesian_network.xml").read_text("utf-8")
-    assert old in text
-    problems = read_models(Source("07.xml", text.replace(old, new).encode())).problems
-    assert [(one.code, one.level) for one in problems if one.level == "error"] == [(code, "error")]

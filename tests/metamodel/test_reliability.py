@@ -7,15 +7,12 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.eddi_xml.document import read_document
-from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.kinds.reliability.show import cut_sets
 from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
-from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, cases, expected, models
 
 TREES, CHAINS, MACHINES = (
@@ -79,25 +76,6 @@ def test_a_state_machine_with_rates_alone_is_a_chain(file: str, want: dict[str, 
         assert dict(zip(chain.states, found, strict=True)) == pytest.approx(states, rel=1e-9)
         failed = sum(states[state] for state in want["fail"])
         assert p_fail(system, hours) == pytest.approx(failed, rel=1e-9)
-
-
-@named(MACHINES)
-def test_other_state_machines_are_listed_by_one_word(file: str, want: dict[str, Any]) -> None:
-    document, _ = read_document(read_source(FOLDER / file))
-    assert document is not None
-    (found,) = (m for m in survey(document)["models"] if m["kind"] == "state_machine")
-    assert found["name"] == want["name"]
-    counts = {"states": len(want["states"]), "transitions": len(want["transitions"])}
-    assert {key: found["counts"][key] for key in counts} == counts
-    shown = run("show", file, cwd=FOLDER)
-    assert f"state_machine {want['name']} (" in shown.out
-    said = [
-        line
-        for line in (shown.out + shown.err).splitlines()
-        if "StateMachine" in line and "warning" in line
-    ]
-    assert len(said) == 1
-    assert "no monitor is made of it yet [X021]" in said[0]
 
 
 def changed(file: str, *pairs: tuple[str, str]) -> list[Problem]:

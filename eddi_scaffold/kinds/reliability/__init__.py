@@ -52,7 +52,7 @@ MEANINGS: claims.Meanings = {
             instead=_THRESHOLD,
             known=(("valid", True),),
         ),
-    },
+    }
 }
 """Message -> field -> its meaning."""
 

@@ -224,27 +224,27 @@ def chain_table_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
     yield f"    horizon = {py.number(time.horizon / GRID if time.moving else time.horizon)}"
     if time.moving:
         yield f"    steps = {GRID}"
-    arcs = (
-        py.Item(
-            py.literal(arc), behind=py.comment(f"{chain.states[arc[0]]} to {chain.states[arc[1]]}")
-        )
-        for arc in chain.arcs
-    )
-    yield from py.assignment("arcs", py.tuple_of(arcs), 4)
+    yield from py.assignment("arcs", rows_of_arcs(chain), 4)
+
+
+def rows_of_arcs(chain: Chain) -> py.Part:
+    """Return the arcs as a tuple, with the names of their states behind them."""
+    abouts = (f"{chain.states[arc[0]]} to {chain.states[arc[1]]}" for arc in chain.arcs)
+    pairs = zip(chain.arcs, abouts, strict=True)
+    return py.tuple_of(py.Item(py.literal(arc), behind=py.comment(about)) for arc, about in pairs)
 
 
 def rows_ahead(chain: Chain, hours: float) -> list[tuple[float, float, float]]:
     """Return for each state: failed and alive at the horizon, mean life in hours."""
-    fail = [float(state in chain.fail) for state in range(len(chain.states))]
     rows = []
     for row, life in zip(propagator(rates_of(chain), hours), mean_times(chain), strict=True):
-        failed = fsum(p * is_failed for p, is_failed in zip(row, fail, strict=True))
-        alive = fsum(p * (1.0 - is_failed) for p, is_failed in zip(row, fail, strict=True))
+        failed = fsum(p for state, p in enumerate(row) if state in chain.fail)
+        alive = fsum(p for state, p in enumerate(row) if state not in chain.fail)
         rows.append((min(failed, 1.0), alive, life))
     return rows
 
 
-def rows_of_states(chain: Chain, rows: Iterable[tuple[float, ...]]) -> py.Part:
+def rows_of_states(chain: Chain, rows: Iterable[tuple[float, ...] | float]) -> py.Part:
     """Return a row for each state as a tuple, with its name behind it."""
     pairs = zip(rows, chain.states, strict=True)
     return py.tuple_of(py.Item(py.literal(row), behind=py.comment(state)) for row, state in pairs)

@@ -18,7 +18,6 @@ from eddi_scaffold.kinds.reliability.system import (
     FaultTree,
     Gate,
     ReliabilitySystem,
-    inputs_of,
     order,
 )
 
@@ -26,23 +25,13 @@ MAX_STATES = 2000
 _LARGE = 500
 _LARGEST_RATE = 1e12
 _ALL = "\0"  # Stands above all models; no model is called so
-_IN_EDDI = (
-    "give its failure a failureRate or a failureProbDistribution, or make it a failState "
-    '(docs/reference/reliability.md, "From an EDDI")'
-)
-_IN_YAML = (
-    "give it a rate, a scale and shape, `p`, or a model "
-    '(docs/reference/reliability.md, "`reliability_config.yml`, written by hand")'
-)
 
 
 def check_system(system: ReliabilitySystem) -> list[Problem]:
     """Return all problems of the models that the top uses (R001, R002, R005 to R013)."""
     problems: list[Problem] = []
     for check in (_references, _contents, _combination):
-        problems += check(system)
-        if has_errors(problems):
-            break
+        problems += [] if has_errors(problems) else check(system)
     return problems
 
 
@@ -131,8 +120,8 @@ def _parts_of_tree(component: ComponentModel, tree: FaultTree) -> Iterator[Probl
             yield from _gate(tree, tree.gates[key], uses)
         elif tree.events[key].law is None:
             place = tree.events[key].place
-            hint = _IN_YAML if place.path is None else _IN_EDDI
-            yield problem("R002.none", place, hint=hint, event=tree.events[key].name)
+            case = "R002.none" if place.path is None else "R002.none_in_eddi"
+            yield problem(case, place, event=tree.events[key].name)
     reached = set(names)
     unused = [key for key in (*tree.gates, *tree.events) if key not in reached]
     if unused:
@@ -144,10 +133,8 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
     name, place, number = gate.name, gate.place, len(gate.of)
     if not gate.of:
         if not gate.is_port:  # a port of an EDDI is reported by the reader (X014)
-            hint = "list its inputs in `of:`, take it out, or write an event with `p: 0` instead"
-            if place.path is not None:
-                hint = "list its inputs, or take it out"
-            yield problem("R005.no_input", place, hint=hint, gate=name)
+            case = "R005.no_input" if place.path is None else "R005.no_input_in_eddi"
+            yield problem(case, place, gate=name)
     elif gate.type == "VOTE" and gate.k is None:
         yield problem("R005.vote", place, name=name)
     elif gate.type == "VOTE" and not 1 <= (gate.k or 0) <= number:
@@ -155,7 +142,7 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
     elif gate.type == "NOT" and number != 1:
         yield problem("R005.not_inputs", place, name=name, number=number)
     elif gate.type == "XOR" and number > 2:
-        yield problem("R013.xor", place, subject=f"gate {name!r} is an XOR of {number} inputs")
+        yield problem("R013.xor", place, gate=name, number=number)
     elif gate.type in DYNAMIC:
         if gate.type == "SAND":
             yield problem("R009.sand", place, gate=name)
@@ -181,13 +168,12 @@ def _size_and_cut_sets(component: ComponentModel, tree: FaultTree) -> Iterator[P
     name, place = component.name, component.place
     lowered = lower_tree(name, tree)
     if tree.approximate and lowered.cut_sets is None:
-        for gate in tree.used_gates():
-            if gate.type in ("NOT", "XOR"):
-                sentence = f"gate {gate.name!r} of tree {name!r} is {gate.type}, so that cut sets"
-                sentence += " do not bound"
-                yield problem("R010.approximation", gate.place, sentence=sentence)
-                return
-        yield problem("R010.cut_sets", tree.bounds_place, name=name, limit=CUT_SETS)
+        gate = next((gate for gate in tree.used_gates() if gate.type in ("NOT", "XOR")), None)
+        if gate is None:
+            yield problem("R010.cut_sets", tree.bounds_place, name=name, limit=CUT_SETS)
+        else:
+            fields = {"gate": gate.name, "tree": name, "type": gate.type}
+            yield problem("R010.approximation", gate.place, **fields)
         return
     try:
         _ = lowered.diagram
@@ -227,10 +213,9 @@ def _combination(system: ReliabilitySystem) -> Iterator[Problem]:
     yield from _dependence(system)
     types: dict[str, str] = {MISSION_END: "float"} if system.mission_end else {}
     for component in used:
-        alone = ReliabilitySystem({component.name: component}, component.name)
         # a verdict may serve several chains
         shared = "bool" if isinstance(component.content, Chain) else ""
-        for input_ in inputs_of(alone):
+        for input_ in component.inputs():
             if types.get(input_.id, shared) != shared:
                 yield problem("R001.same_input", component.place, input=input_.id)
             types[input_.id] = input_.type

@@ -46,9 +46,8 @@ def compile_system(
     lines: list[str] = []
     models = []
     for place, (name, component) in enumerate(lowered.components.items()):
-        about = py.comment(
-            f"{type(component).__name__} {name}: {lowered.places[name]}".rstrip(": ")
-        )
+        kind = type(component).__name__
+        about = py.comment(f"{kind} {name}: {lowered.places[name]}".rstrip(": "))
         classes = _Classes(place, about, time, states, nodes)
         constructor = classes.constructor(component)
         lines += classes.lines
@@ -131,6 +130,7 @@ class _Classes:
 
     def constructor(self, component: lowering.Component) -> py.Part:
         repair: dict[str, py.Part] = {"repair": "True"} if getattr(component, "repair", 0) else {}
+        fields: list[py.Part]
         match component:
             case lowering.Markov():
                 seen = {"observe": py.literal(component.observe)} if component.observe else {}
@@ -144,28 +144,23 @@ class _Classes:
                 if self.time.moving or not self.states:  # the chain finds what lies ahead
                     ahead: py.Part = self._chain("Chain", component.chain, self.about)
                 else:
-                    rows = chains.rows_ahead(component.chain, self.time.horizon)
-                    ahead = py.call("rotors.Rows", [chains.rows_of_states(component.chain, rows)])
-                return py.call(
-                    "rotors.Propulsion", [ahead, sets, py.literal(component.inputs)], **repair
-                )
+                    numbers = chains.rows_ahead(component.chain, self.time.horizon)
+                    rows = chains.rows_of_states(component.chain, numbers)
+                    ahead = py.call("rotors.Rows", [rows])
+                fields = [ahead, sets, py.literal(component.inputs)]
+                return py.call("rotors.Propulsion", fields, **repair)
             case lowering.Battery():
-                states, level = component.chain.states, py.text_literal(component.level)
-                arcs = py.tuple_of(
-                    py.Item(py.literal(arc), behind=f"{states[arc[0]]} to {states[arc[1]]}")
-                    for arc in component.chain.arcs
-                )
-                pairs = zip(states, chains.mean_times(component.chain), strict=True)
-                lives = py.tuple_of(py.Item(py.number(life), behind=state) for state, life in pairs)
-                fields: list[py.Part] = [level, arcs, lives, py.number(self.time.horizon)]
+                level, arcs = py.text_literal(component.level), chains.rows_of_arcs(component.chain)
+                lives = chains.mean_times(component.chain)
+                rows = chains.rows_of_states(component.chain, lives)
+                fields = [level, arcs, rows, py.number(self.time.horizon)]
                 return py.call("battery.Battery", fields, **repair, **_heat(component.heat))
             case lowering.Processor():
                 load = {} if component.load is None else {"load": py.literal(component.load)}
                 age = {"age": py.number(component.age)} if component.age else {}
-                numbers = [py.number(component.mean), py.number(component.shape)]
-                return py.call(
-                    "processor.Processor", numbers, **_heat(component.heat), **load, **age
-                )
+                fields = [py.number(component.mean), py.number(component.shape)]
+                heat = _heat(component.heat)
+                return py.call("processor.Processor", fields, **heat, **load, **age)
             case lowering.KOutOfN():
                 return py.call("units.KOutOfN", map(py.literal, component))
             case lowering.Series():

@@ -10,7 +10,6 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from functools import lru_cache
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.reliability.fault_tree import (
@@ -66,7 +65,7 @@ def build(
     top: int,
     first: frozenset[int] = frozenset(),
     limit: int = NODE_LIMIT,
-    known: Mapping[int, bool] | None = None,
+    known: Sequence[tuple[int, bool]] = (),
 ) -> Diagram:
     """Return the diagram of a tree; each gate refers to so many events and to gates before it.
 
@@ -76,23 +75,11 @@ def build(
     Raises:
         TooLargeError: there would be more nodes than the limit, also on the way.
     """
-    return _built(events, tuple(gates), top, first, limit, tuple((known or {}).items()))
-
-
-@lru_cache(maxsize=8)
-def _built(
-    events: int,
-    gates: tuple[Gate, ...],
-    top: int,
-    first: frozenset[int],
-    limit: int,
-    known: tuple[tuple[int, bool], ...],
-) -> Diagram:
-    tree = simplified(events, gates, top, dict(known), split=True)
+    tree = simplified(events, gates, top, known, split=True)
     used = reached(tree.gates, tree.top)
     coherent = all(tree.gates[n].type in COHERENT for n in used if n in tree.gates)
     if not coherent and first.intersection(used):  # the intervals of modules are none of events
-        tree = simplified(events, gates, top, dict(known), split=False)
+        tree = simplified(events, gates, top, known, split=False)
     else:
         first = frozenset()
     if tree.top not in tree.gates:  # a basic event, or a constant

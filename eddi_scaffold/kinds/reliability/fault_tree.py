@@ -38,14 +38,14 @@ class Tree(NamedTuple):
 
 
 def simplified(
-    events: int, gates: Sequence[Gate], top: int, known: Mapping[int, bool], *, split: bool
+    events: int, gates: Sequence[Gate], top: int, known: Sequence[tuple[int, bool]], *, split: bool
 ) -> Tree:
     """Return a tree of the same value, as ``build`` takes it; unless split, of one module."""
     below = {events + i: gate for i, gate in enumerate(gates)}
     used = [n for n in sorted(reached(below, top)) if n in below]
     parents = Counter(n for number in used for n in below[number].of)
     meaning = {i: i for i in range(events)}
-    meaning.update((event, ALWAYS if sure else NEVER) for event, sure in known.items())
+    meaning.update((event, ALWAYS if sure else NEVER) for event, sure in known)
     fresh, origin = count(events + len(gates)), dict[int, int]()
     kept: dict[int, Gate] = {}
     number_of: dict[Gate, int] = {}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import NamedTuple
 
 from eddi_runtime.reliability.component import Rule
@@ -147,11 +147,12 @@ class FaultTree:
         if self.cut_sets is not None:
             return None
         observed = frozenset(i for i, event in enumerate(self.events) if event.input is not None)
-        events = len(self.events)
-        return build(events, self.gates, self.top, observed, self.limit, self.certain)
+        numbers = (len(self.events), self.gates, self.top, observed, self.limit)
+        return _diagram(*numbers, tuple(self.certain.items()))
 
 
 _cut_sets = lru_cache(maxsize=8)(minimal_cut_sets)
+_diagram = lru_cache(maxsize=8)(build)
 Component = Markov | Propulsion | Battery | Processor | KOutOfN | Series | FaultTree
 
 
@@ -161,10 +162,10 @@ class LoweredSystem(NamedTuple):
     components: Mapping[str, Component]  # by name; each behind those that it uses
     # name -> fragment path of the element in the EDDI, empty where it came from none
     places: Mapping[str, str]
-    rules: Mapping[str, Rule]  # input id -> what it may hold
-    owners: Mapping[str, str]  # input id -> the first model that reads it
+    rules: dict[str, Rule]  # input id -> what it may hold
+    owners: dict[str, str]  # input id -> the first model that reads it
     # model -> inputs on which it depends, with those of the models that it uses
-    uses: Mapping[str, tuple[str, ...]]
+    uses: dict[str, tuple[str, ...]]
 
 
 def lower(system: ReliabilitySystem) -> LoweredSystem:
@@ -179,55 +180,53 @@ def connected(
     components: Mapping[str, Component], places: Mapping[str, str], *, mission_end: bool
 ) -> LoweredSystem:
     """Return models, each behind those that it uses, with the inputs that they read."""
-    rules: dict[str, Rule] = {}
-    owners: dict[str, str] = {}
-    uses: dict[str, tuple[str, ...]] = {}
+    system = LoweredSystem(components, places, {}, {}, {})
     for name, component in components.items():
         inputs: list[str] = []
         for read, rule in _reads(component):
             if rule is None:
-                inputs += uses[read]
+                inputs += system.uses[read]
             else:
-                rules.setdefault(read, rule)
-                owners.setdefault(read, name)
+                system.rules.setdefault(read, rule)
+                system.owners.setdefault(read, name)
                 inputs.append(read)
-        uses[name] = tuple(dict.fromkeys(inputs))
+        system.uses[name] = tuple(dict.fromkeys(inputs))
     if mission_end:
-        rules[MISSION_END] = _SECONDS
-    return LoweredSystem(components, places, rules, owners, uses)
+        system.rules[MISSION_END] = _SECONDS
+    return system
 
 
 def _reads(component: Component) -> list[tuple[str, Rule | None]]:
     """Return the inputs of a model with what they may hold, and the models that it uses."""
-    reads: list[tuple[str, Rule | None]] = []
     match component:
         case Markov():
-            reads += [(input_, _BOOL) for _, input_, _ in component.observe]
+            return [(input_, _BOOL) for _, input_, _ in component.observe]
         case Propulsion():
             of_list = Rule("bool[]", length=len(component.inputs))
-            reads += [(id_, _BOOL if at is None else of_list) for id_, at in component.inputs]
-        case Battery():
-            reads.append((component.level, _LEVEL))
-            reads += [(component.heat.temperature, _TEMPERATURE)] if component.heat else []
-        case Processor():
-            reads.append((component.heat.temperature, _TEMPERATURE))
-            reads += [(component.load[0], _LOAD)] if component.load else []
+            return [(id_, _BOOL if at is None else of_list) for id_, at in component.inputs]
         case KOutOfN():
             most = 10_000.0 if component.largest is None else float(component.largest)
-            reads.append((component.available, Rule("int", 0.0, most)))
+            return [(component.available, Rule("int", 0.0, most))]
         case Series():
-            reads += [(part, None) for part in component.parts]
+            return [(part, None) for part in component.parts]
         case FaultTree():
-            for event in component.events:
-                reads += [(event.model, None)] if event.model else []
-                reads += [(event.input, _BOOL)] if event.input is not None else []
-    return reads
+            pairs = (((e.model, None), (e.input, _BOOL)) for e in component.events)
+            return [(name, rule) for of in pairs for name, rule in of if name]
+    level = [(component.level, _LEVEL)] if isinstance(component, Battery) else []
+    heat = [(component.heat.temperature, _TEMPERATURE)] if component.heat else []
+    load = None if isinstance(component, Battery) else component.load
+    return [*level, *heat, *([(load[0], _LOAD)] if load else [])]
 
 
 def _lowered(model: ComponentModel) -> Component:
-    name, values, content = model.name, model.values, model.content
+    values, content = model.values, model.content
+    id_ = partial(input_id, model.name)
+
+    def numbers(*keys: str) -> Iterator[float]:
+        return (float(values.get(key, 0.0)) for key in keys)
+
     if isinstance(content, TreeModel):
-        return lower_tree(name, content)
+        return lower_tree(model.name, content)
     if isinstance(content, ChainModel):
         number = {state: i for i, state in enumerate(content.states)}
         observe = tuple((number[seen.state], seen.input, seen.negated) for seen in content.observe)
@@ -235,29 +234,24 @@ def _lowered(model: ComponentModel) -> Component:
     if model.type == "series":
         return Series(model.uses)
     if model.type == "k_out_of_n":
-        available = input_id(name, "available")
-        return KOutOfN(values["k"], float(values["rate"]), values["max"], available)
+        return KOutOfN(values["k"], float(values["rate"]), values["max"], id_("available"))
     if model.type == "propulsion":
         motors = sorted(range(len(values["rates"])), key=values["positions"].__getitem__)
         chain = rotors_chain(values["configuration"], [float(values["rates"][m]) for m in motors])
-        of_list = values["status"] == "list"
-        inputs = tuple(
-            (input_id(name, "status"), m) if of_list else (input_id(name, f"motor_{m}"), None)
-            for m in motors
-        )
+        status = id_("status") if values["status"] == "list" else None
+        inputs = tuple((status, m) if status else (id_(f"motor_{m}"), None) for m in motors)
         sets = tuple(tuple(sorted(failed)) for failed in survived(values["configuration"]))
         return Propulsion(chain, sets, inputs, values["repair"])
     heat = None
     if "t_ref" in values:
-        numbers = (float(values[key]) for key in ("activation_energy", "t_ref", "t_max"))
-        heat = Heat(input_id(name, "temperature"), *numbers)
+        heat = Heat(id_("temperature"), *numbers("activation_energy", "t_ref", "t_max"))
     if model.type == "battery":
-        keys = ("failure_rate", "alpha", "beta", "degradation")
-        chain = battery_chain(*(float(values[key]) for key in keys))
-        return Battery(chain, input_id(name, "level"), heat, values["repair"])
+        chain = battery_chain(*numbers("failure_rate", "alpha", "beta", "degradation"))
+        return Battery(chain, id_("level"), heat, values["repair"])
     assert heat is not None, "a processor has its temperatures"
-    mean, shape, age = (float(values.get(key, 0.0)) for key in ("mttf_ref", "shape", "age"))
-    return Processor(mean, shape, heat, (input_id(name, "utilisation"), values["u_max"]), age)
+    load = id_("utilisation"), values["u_max"]
+    mean, shape, age = numbers("mttf_ref", "shape", "age")
+    return Processor(mean, shape, heat, load, age)
 
 
 def chain_of(chain: ChainModel) -> Chain:
@@ -278,17 +272,22 @@ def lower_tree(name: str, tree: TreeModel) -> FaultTree:
     events: list[Event] = []
     for key in names:
         if key in tree.events and key not in inputs_of_dynamic:
-            event = _event(name, key, tree)
+            event = tree.events[key]
+            law, place = event.law, event.place.path or ""
+            assert law is not None, "a checked tree has the law of each event"
+            seen = input_id(name, key) if event.observed else None
+            age = tree.age if event.age is None else event.age
             number[key] = len(events)
-            if event.model and event.input is None:
-                # two events of one other model are the same event
-                number[key] = event_of.setdefault(event.model, len(events))
+            if law.model and seen is None:  # two events of one other model are the same event
+                number[key] = event_of.setdefault(law.model, len(events))
             if number[key] == len(events):
-                events.append(event)
+                form = (law.kind, law.values, law.model)
+                events.append(Event(event.name, *form, seen, age, place))
     for key in dynamic:
         gate = tree.gates[key]
         number[key] = len(events)
-        rates = tuple(law.values[0] for below in gate.of if (law := tree.events[below].law))
+        laws = [tree.events[below].law for below in gate.of]
+        rates = tuple(law.values[0] for law in laws if law)
         # SAND: independent continuous events never happen at the same instant
         never = Event(key, "fixed", (0.0,))
         is_never = gate.type == "SAND"
@@ -306,12 +305,3 @@ def lower_tree(name: str, tree: TreeModel) -> FaultTree:
     limit = tree.node_limit or NODE_LIMIT
     numbered = (tuple(events), tuple(gates), tuple(shown), number[tree.top])
     return FaultTree(*numbered, tree.repair, tree.approximate, limit)
-
-
-def _event(name: str, key: str, tree: TreeModel) -> Event:
-    event = tree.events[key]
-    assert event.law is not None, "a checked tree has the law of each event"
-    law, place = event.law, event.place.path or ""
-    seen = input_id(name, key) if event.observed else None
-    age = tree.age if event.age is None else event.age
-    return Event(event.name, law.kind, law.values, law.model, seen, age, place)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Any
 
 from eddi_scaffold.common import units
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.document import EddiFindings
-from eddi_scaffold.eddi_xml.parsing import Element, only, select
+from eddi_scaffold.eddi_xml.parsing import Element, select
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.reliability.system import Law
 from eddi_scaffold.kinds.reliability.values import case_of
@@ -30,13 +30,8 @@ class Laws:
             if (self.document.attribute(child, word.KEY) or "").casefold() == key.casefold()
             for value in self.document.children(child, word.VALUES)
         ]
-        value = self._only(values)
+        value = self.findings.first(values)
         return None if value is None else (self.document.attribute(value, word.VALUE) or "").strip()
-
-    def _only(self, elements: Sequence[Element]) -> Element | None:
-        first, problems = only(elements, "X011.twice", self.document.place)
-        self.findings.add(*problems)
-        return first
 
     def of_failure(self, failure: Element, event: str, chain: str | None) -> Law | None:
         """Return the law of a failure; ``chain`` is the model whose fail state it is."""
@@ -77,7 +72,7 @@ class Laws:
                 if text and text.strip("0. "):  # EMF may write what is not given
                     self.findings.report("X014.rate", distribution, subject=subject, rate=name)
                 return self._distribution(distribution, subject)
-            return Law("exponential", (self._rate(element, text, subject),)) if text else None
+            return Law("exponential", (self._number(element, text, subject),)) if text else None
         except units.QuantityError as fault:
             case = case_of(fault)
             self.findings.report(case, element, hint=fault.hint, subject=subject, reason=fault)
@@ -92,7 +87,7 @@ class Laws:
         texts = {
             name: self.document.attribute(first, word.VALUE) or ""
             for name, elements in parameters.items()
-            if (first := self._only(elements)) is not None
+            if (first := self.findings.first(elements)) is not None
         }
         match kind.casefold():
             case "fit" | "constant" if "value" in texts:
@@ -100,31 +95,24 @@ class Laws:
             case "fixed" | "constant" if "p" in texts:
                 return Law("fixed", (units.number(texts["p"], 0.0, 1.0),))
             case "exponential" if texts.get("lambda"):
-                return Law("exponential", (self._rate(element, texts["lambda"], subject),))
+                return Law("exponential", (self._number(element, texts["lambda"], subject),))
             case "weibull" if (scale := texts.get("scale")) and (shape := texts.get("shape")):
-                hours = units.duration(scale, self._unit(element, of_rate=False))
-                self._warn_of_unit(hours, element, subject, "h")
-                if hours.value <= 0.0:
+                hours = self._number(element, scale, subject, of_rate=False)
+                if hours <= 0.0:
                     raise units.QuantityError(f"the scale {scale!r} is not above 0")
-                return Law("weibull", (hours.value, units.number(shape, 1e-6, 1e6)))
+                return Law("weibull", (hours, units.number(shape, 1e-6, 1e6)))
         laws = ", ".join(f"{name}={text}" for name, text in texts.items())
-        self.findings.report(
-            "X014.distribution", element, subject=subject, distribution=kind, laws=laws
-        )
+        fields = {"distribution": kind, "laws": laws}
+        self.findings.report("X014.distribution", element, subject=subject, **fields)
         return None
 
-    def _rate(self, element: Element, text: str, subject: str) -> float:
-        value = units.rate(text, self._unit(element, of_rate=True))
-        self._warn_of_unit(value, element, subject, "1/h")
-        return value.value
-
-    def _warn_of_unit(
-        self, value: units.Quantity, element: Element, subject: str, unit: str
-    ) -> None:
-        if not value.has_unit:
-            self.findings.report(
-                "R004.no_unit_in_eddi", element, subject=subject, value=value.value, unit=unit
-            )
+    def _number(self, element: Element, text: str, subject: str, *, of_rate: bool = True) -> float:
+        read = units.rate if of_rate else units.duration
+        value, has_unit = read(text, self._unit(element, of_rate=of_rate))
+        if not has_unit:
+            fields: dict[str, Any] = {"subject": subject, "unit": "1/h" if of_rate else "h"}
+            self.findings.report("R004.no_unit_in_eddi", element, value=value, **fields)
+        return value
 
     def _unit(self, element: Element, *, of_rate: bool) -> str | None:
         """Return the unit of the element, or of the innermost element around it that has one."""

@@ -12,29 +12,18 @@ from eddi_runtime.reliability.component import ReliabilityResult
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import Problem, did_you_mean
 from eddi_scaffold.common.units import duration, rate
-from eddi_scaffold.kinds.reliability import KEYS
+from eddi_scaffold.kinds.reliability import KEYS, system
 from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, FATAL
-from eddi_scaffold.kinds.reliability.system import (
-    GATES,
-    TYPES,
-    Arc,
-    BasicEvent,
-    Chain,
-    ComponentModel,
-    FaultTree,
-    Gate,
-    Law,
-    Observation,
-    ReliabilitySystem,
-    Threshold,
-)
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 
 _NO_INPUTS = ("not", "and", "or", "xor", "implies", "true", "false", "unknown")
 """What an input of ``observe`` cannot be called: it was meant otherwise."""
 
 
-def read_chain(name: str, entry: Values, before: Chain | None) -> Chain:
+_Library = Mapping[str, system.ReliabilitySystem]
+
+
+def read_chain(name: str, entry: Values, before: system.Chain | None) -> system.Chain:
     """Read a chain; of that of an EDDI, ``before``, only what follows its arcs may change."""
     errors = entry.errors
     keys = ("type", "model", "states", "initial", "fail", "arcs", "observe", "repair", "age")
@@ -47,9 +36,9 @@ def read_chain(name: str, entry: Values, before: Chain | None) -> Chain:
     return replace(chain, repair=repair, age=age)
 
 
-def _chain(entry: Values, errors: int) -> Chain:
+def _chain(entry: Values, errors: int) -> system.Chain:
     """Read a chain of an entry that had so many errors before anything of it was looked at."""
-    arcs: list[Arc] = []
+    arcs: list[system.Arc] = []
     for map_ in entry.maps("arcs"):
         map_.only("from", "to", "rate")
         source, target = map_.text("from", required=True), map_.text("to", required=True)
@@ -59,14 +48,14 @@ def _chain(entry: Values, errors: int) -> Chain:
         if source == target:
             map_.report("X020.arc_itself", source=source)
         else:
-            arcs.append(Arc(source, target, value, map_.place()))
+            arcs.append(system.Arc(source, target, value, map_.place()))
     named = [name for arc in arcs for name in (arc.source, arc.target)]
     states = entry.texts("states") or tuple(dict.fromkeys(named))
     for i, arc in enumerate(arcs):
         for key, state in (("from", arc.source), ("to", arc.target)):
             if state not in states:
                 entry.report("R001.state", "arcs", i, key, key=key, state=state)
-    chain = Chain(states, entry.texts("initial"), entry.texts("fail"), tuple(arcs))
+    chain = system.Chain(states, entry.texts("initial"), entry.texts("fail"), tuple(arcs))
     if entry.errors == errors or entry.has("states"):
         for key, names in (("initial", chain.initial), ("fail", chain.fail)):
             for state in names:
@@ -77,11 +66,11 @@ def _chain(entry: Values, errors: int) -> Chain:
     return chain
 
 
-def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
+def _observe(name: str, entry: Values, chain: system.Chain) -> tuple[system.Observation, ...]:
     observe, errors = entry.map("observe"), entry.errors
     if observe is None:
         return ()
-    observations: list[Observation] = []
+    observations: list[system.Observation] = []
     for state in map(str, observe.data):
         text = observe.text(state)
         if state not in chain.states:
@@ -92,7 +81,7 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
             if (words and not is_negated) or input_.casefold() in ("", *_NO_INPUTS):
                 observe.report("R002.input", state, value=text)
             else:
-                observations.append(Observation(state, input_, is_negated))
+                observations.append(system.Observation(state, input_, is_negated))
     seen = {observation.state for observation in observations}
     unseen = [state for state in chain.fail if state not in seen]
     if observations and unseen and entry.errors == errors:
@@ -103,7 +92,7 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
     return tuple(observations)
 
 
-def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree | None:
+def read_tree(name: str, entry: Values, before: system.FaultTree | None) -> system.FaultTree | None:
     """Read a tree; of that of an EDDI, ``before``, its events and what follows may change."""
     errors = entry.errors
     keys = ("type", "model", "top", "gates", "events", "repair", "node_limit", "approximation")
@@ -136,7 +125,7 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
                     entry.report("R001.unknown_part", "gates", gate.name, "of", i, part=below)
         for both in sorted(set(gates) & set(events)):
             entry.report("R001.gate_and_event", "events", both, KEY, name=both)
-    tree = before or FaultTree(top, events, gates)
+    tree = before or system.FaultTree(top, events, gates)
     approximation = entry.choice("approximation", ("cut_sets",))
     return replace(
         tree,
@@ -149,21 +138,21 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
     )
 
 
-def _gates(entry: Values) -> dict[str, Gate]:
-    gates: dict[str, Gate] = {}
+def _gates(entry: Values) -> dict[str, system.Gate]:
+    gates: dict[str, system.Gate] = {}
     for name, map_ in entry.entries("gates"):
         map_.only("type", "of", "k")
         kind = (map_.text("type") or "OR").upper()
-        if kind not in GATES:
-            map_.unknown("type of gate", kind, GATES, "type")
+        if kind not in system.GATES:
+            map_.unknown("type of gate", kind, system.GATES, "type")
         k = map_.whole_number("k", -(10**9), 10**9, None)
-        gates[name] = Gate(name, kind, map_.texts("of"), k, map_.place())
+        gates[name] = system.Gate(name, kind, map_.texts("of"), k, map_.place())
     return gates
 
 
-def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
+def _event(name: str, entry: Values, before: system.BasicEvent | None) -> system.BasicEvent:
     entry.only("rate", "scale", "shape", "p", "model", "observed", "age")
-    event = before or BasicEvent(name, None, place=entry.place())
+    event = before or system.BasicEvent(name, None, place=entry.place())
     value = entry.quantity("rate", rate, None)
     scale = entry.quantity("scale", duration, None, positive=True)
     shape = entry.number("shape", 1e-6, 1e6, 1.0)
@@ -173,13 +162,13 @@ def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
         entry.report("R002.several", laws[1], name=name, listed=" and ".join(laws))
     law = event.law
     if value is not None:
-        law = Law("exponential", (value,))
+        law = system.Law("exponential", (value,))
     elif scale is not None:
-        law = Law("weibull", (scale, shape))
+        law = system.Law("weibull", (scale, shape))
     elif p is not None:
-        law = Law("fixed", (p,))
+        law = system.Law("fixed", (p,))
     elif model := entry.text("model"):
-        law = Law("model", model=model)
+        law = system.Law("model", model=model)
     if entry.has("age") and law is not None and law.kind in ("fixed", "model"):
         entry.report("R002.age", "age", name=name)
     age = entry.quantity("age", duration, event.age)
@@ -196,10 +185,10 @@ _HEAT = ("t_ref", "t_max", "activation_energy")
 
 
 def read_system(
-    values: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem | None
-) -> tuple[ReliabilitySystem | None, list[Problem]]:
+    values: Values, library: _Library, base: system.ReliabilitySystem | None
+) -> tuple[system.ReliabilitySystem | None, list[Problem]]:
     """Read the keys of a monitor, which change ``base``; ``model:`` names one of the library."""
-    before = base or ReliabilitySystem({}, "", place=values.place())
+    before = base or system.ReliabilitySystem({}, "", place=values.place())
     components = dict(before.components)
     for name, entry in values.entries("models"):
         components.update(_component(name, entry, library, before))
@@ -225,14 +214,16 @@ def read_system(
     free = [name for name in components if name not in used] or list(components)
     if not top and len(free) > 1:  # several that no other uses become a series
         top = "all" if "all" not in components else "all_models"
-        components[top] = ComponentModel(top, "series", uses=tuple(free), place=values.place())
+        components[top] = system.ComponentModel(
+            top, "series", uses=tuple(free), place=values.place()
+        )
     elif not top and free:
         top = free[0]
     elif not top:
         values.report("R001.no_model")
     elif top not in components:
         values.unknown("model", top, components, "top")
-    system = replace(
+    changed = replace(
         before,
         components=components,
         top=top,
@@ -242,11 +233,11 @@ def read_system(
         worst_case=on_unknown == "worst_case" if on_unknown else before.worst_case,
         max_gap=before.max_gap if gap is None else gap * 3600.0,
     )
-    return (None if values.errors else system), values.problems
+    return (None if values.errors else changed), values.problems
 
 
-def _thresholds(values: Values) -> tuple[Threshold, ...]:
-    thresholds: dict[str, Threshold] = {}
+def _thresholds(values: Values) -> tuple[system.Threshold, ...]:
+    thresholds: dict[str, system.Threshold] = {}
     owners: dict[str, str] = {}  # of topics
     for entry in values.maps("thresholds"):
         key = "activate" if entry.has("activate") else "at_most"  # the former name
@@ -257,8 +248,7 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
         hold = entry.quantity("hold", duration, 0.0, needs_unit=True)
         topic = entry.text("topic")
         if topic is not None and not is_ros_name(topic):
-            expected = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
-            entry.report("R002.topic", "topic", expected=expected)
+            entry.report("R002.topic", "topic")
         if name is None or activate is None or release is None:
             continue
         if _ID.fullmatch(name) is None:
@@ -272,21 +262,20 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
             entry.report("R001.same_topic", "topic", first=other, second=name, topic=topic)
         if release < activate:
             entry.report("R001.release", "release", name=name, release=release, activate=activate)
-        thresholds[name] = Threshold(name, activate, release, 3600.0 * hold, topic, entry.place())
+        thresholds[name] = system.Threshold(
+            name, activate, release, 3600.0 * hold, topic, entry.place()
+        )
     return tuple(thresholds.values())
 
 
 def _component(
-    name: str, entry: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem
-) -> Mapping[str, ComponentModel]:
+    name: str, entry: Values, library: _Library, base: system.ReliabilitySystem
+) -> Mapping[str, system.ComponentModel]:
     before = base.components.get(name)
     kind = entry.text("type") or (before.type if before else None)
     if kind is None:
-        system = library.get(entry.text("model") or "")
-        hint = f"write `type:` and one of {', '.join(TYPES)}"
-        if system is not None:
-            hint = f"write `type: {system.components[system.top].type}`"
-        elif base.components:
+        hint = f"write `type:` and one of {', '.join(system.TYPES)}"
+        if base.components:
             known = base.components
             hint = did_you_mean(name, known) or f"the model has {', '.join(known)}; {hint}"
         entry.report("R001.no_type", hint=hint, name=name)
@@ -297,23 +286,19 @@ def _component(
         uses = entry.texts("of", required=True)
         if entry.data.get("of") == []:
             entry.report("R005.series", "of", name=name)
-        return {name: ComponentModel(name, kind, uses=uses, place=entry.place())}
-    elif kind not in TYPES:
-        entry.unknown("type", kind, TYPES, "type")
+        return {name: system.ComponentModel(name, kind, uses=uses, place=entry.place())}
+    elif kind not in system.TYPES:
+        entry.unknown("type", kind, system.TYPES, "type")
     else:
         values = _ready_made(kind, entry, name)
-        return {name: ComponentModel(name, kind, values=values, place=entry.place())}
+        return {name: system.ComponentModel(name, kind, values=values, place=entry.place())}
     return {}
 
 
 def _content(
-    name: str,
-    kind: str,
-    entry: Values,
-    library: Mapping[str, ReliabilitySystem],
-    before: ComponentModel | None,
-) -> Mapping[str, ComponentModel]:
-    parts: Mapping[str, ComponentModel] = {}
+    name: str, kind: str, entry: Values, library: _Library, before: system.ComponentModel | None
+) -> Mapping[str, system.ComponentModel]:
+    parts: Mapping[str, system.ComponentModel] = {}
     referred = entry.text("model")
     if referred is not None:
         fitting = {n: s for n, s in library.items() if s.components[s.top].type == kind}
@@ -324,12 +309,12 @@ def _content(
         before = parts[fitting[referred].top]
     content = before.content if before else None
     if kind == "markov":
-        content = read_chain(name, entry, content if isinstance(content, Chain) else None)
+        content = read_chain(name, entry, content if isinstance(content, system.Chain) else None)
     else:
-        content = read_tree(name, entry, content if isinstance(content, FaultTree) else None)
+        content = read_tree(name, entry, content if isinstance(content, system.FaultTree) else None)
     if content is None:
         return {}
-    component = ComponentModel(name, kind, content, place=entry.place())
+    component = system.ComponentModel(name, kind, content, place=entry.place())
     # with the chains that the tree of the file is bound to
     return {**{n: parts[n] for n in component.below if n in parts}, name: component}
 

@@ -21,13 +21,7 @@ from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.read_eddi import read_eddi
 from eddi_scaffold.kinds.reliability.read_open_psa import read_open_psa
 from eddi_scaffold.kinds.reliability.read_yaml import read_system
-from eddi_scaffold.kinds.reliability.system import (
-    NAME,
-    Chain,
-    FaultTree,
-    ReliabilitySystem,
-    inputs_of,
-)
+from eddi_scaffold.kinds.reliability.system import NAME, Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.kinds.reliability.write import to_open_psa, to_yaml
@@ -56,12 +50,11 @@ class ReliabilityModel(kinds.Model):
             systems, more = read_open_psa(element, source.name, source.stem)
             return cls._result(systems, source, in_order([*problems, *more]))
         root, problems = read_map(source, "R001")
-        models: tuple[ReliabilityModel, ...] = ()
-        if root is not None and not has_errors(problems):
-            values = Values(value_11(root), partial(_place, root), problems=problems)
-            system, problems = read_system(values, _library(values, source), None)
-            if system is not None:
-                models = (cls(source.stem, source, root.place, data=system),)
+        if root is None or has_errors(problems):
+            return kinds.ReadResult((), tuple(in_order(problems)))
+        values = Values(value_11(root), partial(_place, root), problems=problems)
+        system, problems = read_system(values, _library(values, source), None)
+        models = () if system is None else (cls(source.stem, source, root.place, data=system),)
         return kinds.ReadResult(models, tuple(in_order(problems)))
 
     @classmethod
@@ -108,28 +101,29 @@ class ReliabilityModel(kinds.Model):
         inputs = () if configured is None else configured.inputs()
         if not recognises(self.source):
             return kinds.ModelDraft(inputs)
-        models: dict[str, kinds.JsonValue] = {}
-        notes: dict[tuple[str, ...], str] = {("horizon",): "how far ahead, for instance 30 min"}
-        for name, key, note in self._observable():
-            models[name] = {key: TODO}
-            notes["models", name, key] = note
-        return kinds.ModelDraft(
-            inputs, {"horizon": TODO, **({"models": models} if models else {})}, notes
-        )
-
-    def _observable(self) -> Iterator[tuple[str, str, str]]:
-        """Yield models of which nothing is observed: name, key, what there is to decide."""
+        observable: dict[str, tuple[str, str]] = {}  # model -> key, what there is to decide
         for name, component in self.data.without_unused().components.items():
             content = component.content
             if isinstance(content, Chain) and not content.observe:
                 states = ", ".join(f"{state}: INPUT" for state in content.states[:_MOST_NAMES])
-                yield name, "observe", f"{{{states}}}, or `not INPUT`: false excludes the state"
+                note = f"{{{states}}}, or `not INPUT`: false excludes the state"
+                observable[name] = "observe", note
             elif isinstance(content, FaultTree):
                 events = content.events
                 free = [key for key, e in events.items() if not e.law or not e.law.model]
                 if free and not any(event.observed for event in events.values()):
                     names = ", ".join(free[:_MOST_NAMES])
-                    yield name, "events", f"{{EVENT: {{observed: true}}}} of {names}; {{}} for none"
+                    note = f"{{EVENT: {{observed: true}}}} of {names}; {{}} for none"
+                    observable[name] = "events", note
+        models = {name: {key: TODO} for name, (key, _) in observable.items()}
+        notes: dict[tuple[str, ...], str] = {
+            ("models", name, key): note for name, (key, note) in observable.items()
+        }
+        return kinds.ModelDraft(
+            inputs,
+            {"horizon": TODO, **({"models": models} if models else {})},
+            {("horizon",): "how far ahead, for instance 30 min", **notes},
+        )
 
     def configure(self, options: kinds.Options) -> tuple[ReliabilityModel | None, list[Problem]]:
         """Take the keys of ``Model:`` into the system: horizon, thresholds, what is observed."""
@@ -155,7 +149,7 @@ class ReliabilityModel(kinds.Model):
         return replace(self, data=system, name=options.id or self.name), problems
 
     def inputs(self) -> Sequence[kinds.ModelInput]:
-        return inputs_of(self.data.without_unused())
+        return self.data.without_unused().inputs()
 
     def own_topics(self) -> Sequence[kinds.ModelOutput]:
         return [
@@ -203,11 +197,9 @@ def _place(root: Node, *path: str | int) -> Place:
             if path[i + 1 :] == (KEY,):
                 return next((key.place for key, _ in node.entries if key.text == step), node.place)
             below = node.get(str(step))
-        elif isinstance(node, Items) and isinstance(step, int) and step < len(node.items):
-            below = node.items[step]
-        if below is None:
-            break
-        node = below
+        elif isinstance(node, Items) and isinstance(step, int):
+            below = next(iter(node.items[step : step + 1]), None)
+        node = below or node
     return node.place
 
 
@@ -218,13 +210,11 @@ def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
     try:
         eddi = read_source(next_to(source.name, name))
     except EddiError as failure:
-        reasons = "; ".join(problem.message for problem in failure.problems)
-        values.report("R001.file", "file", name=name, reasons=reasons)
+        values.report("R001.file", "file", name=name, reasons=failure)
         return {}
     document, problems = read_document(eddi)
-    values.problems += problems
-    systems, problems = read_eddi(document, eddi) if document is not None else ([], [])
-    values.problems += problems
+    systems, more = read_eddi(document, eddi) if document is not None else ([], [])
+    values.problems += [*problems, *more]
     return {system.top: system for system in systems}
 
 
@@ -240,5 +230,5 @@ def _undecided(system: ReliabilitySystem) -> Iterator[Problem]:
         if best > t.activate:
             fields = {"threshold": t.id, "when": when}
             yield problem("R014.never_met", t.place, p_fail=best, activate=t.activate, **fields)
-        elif worst <= t.activate and inputs_of(system):
+        elif worst <= t.activate and system.inputs():
             yield problem("R014.always_met", t.place, threshold=t.id, p_fail_high=worst)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import operator
 import re
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, TypeVar
 
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.common.units import accepted
-from eddi_scaffold.kinds import ModelInput
+from eddi_scaffold.kinds import InputType, JsonValue, ModelInput
 from eddi_scaffold.kinds.reliability.fault_tree import COHERENT
 
 NAME = "reliability"
@@ -140,6 +142,57 @@ class ComponentModel:
             return tuple(dict.fromkeys(law.model for law in laws if law and law.model))
         return self.uses
 
+    def inputs(self) -> Iterator[ModelInput]:
+        """Yield its inputs."""
+        content, values, id_ = self.content, self.values, partial(input_id, self.name)
+
+        def described(
+            id_: str,
+            type_: InputType,
+            text: str,
+            sample: JsonValue,
+            covered: str,
+            unit: str | None = None,
+            is_good: Callable[[object], bool] | None = None,
+        ) -> ModelInput:
+            text = re.sub(r"[\s\"'\\]+", " ", text)[:120]
+            forms: dict[str, Any] = {"unit": unit, "units": accepted(unit), "is_good": is_good}
+            return ModelInput(id_, type_, description=text, covered=covered, sample=sample, **forms)
+
+        if isinstance(content, Chain):
+            for seen in content.observe:
+                text = f"{seen.negated}: {self.name} is not in state {seen.state}"
+                sample = (seen.state in content.initial) is not seen.negated
+                yield described(seen.input, "bool", text, sample, "true" if sample else "false")
+        elif isinstance(content, FaultTree):
+            for key, event in content.events.items():
+                if event.observed:
+                    text = f"Has the event {event.name} happened?"
+                    is_good = partial(operator.is_, False)
+                    yield described(id_(key), "bool", text, False, "false", is_good=is_good)
+        elif self.type == "propulsion":
+            count = len(values["rates"])
+            if values["status"] == "list":
+                text = f"Does each of the {count} motors work?"
+                yield described(id_("status"), "bool[]", text, [True] * count, "each true")
+            for i in range(count if values["status"] != "list" else 0):
+                text, is_good = f"Does motor {i} work?", partial(operator.is_, True)
+                yield described(id_(f"motor_{i}"), "bool", text, True, "true", is_good=is_good)
+        elif self.type == "k_out_of_n":
+            text = f"How many units are available, {values['k']} are needed"
+            units, good = values["max"] or values["k"], f"at least {values['k']}"
+            yield described(id_("available"), "int", text, units, good)
+        elif self.type == "battery":
+            text = "State of charge in percent"
+            yield described(id_("level"), "float", text, 100.0, "above 25", "percent")
+        if "t_ref" in values:
+            usual, most = values["t_ref"], values["t_max"]
+            text, good = f"Temperature of the {self.type}", f"at most {most:g}"
+            yield described(id_("temperature"), "float", text, min(usual, most), good, "degC")
+        if self.type == "processor":
+            text, most = "Load of the processor, 1 for full", values["u_max"]
+            yield described(id_("utilisation"), "float", text, min(1.0, most), f"0 to {most:g}")
+
 
 @dataclass(frozen=True)
 class Threshold:
@@ -198,6 +251,25 @@ class ReliabilitySystem:
         kept = {name: model for name, model in self.components.items() if name in names}
         return replace(self, components=kept)
 
+    def inputs(self) -> list[ModelInput]:
+        """Return the inputs in the order of the models; one that serves two of them once."""
+        inputs: dict[str, ModelInput] = {}
+        for model in self.components.values():
+            for input_ in model.inputs():
+                inputs.setdefault(input_.id, input_)
+        if self.mission_end:
+            text, seconds = "Seconds from now to the end of the mission", self.horizon * 3600.0
+            inputs[MISSION_END] = ModelInput(
+                MISSION_END, "float", unit="s", description=text, sample=seconds
+            )
+        trees = [c.content for c in self.components.values() if isinstance(c.content, FaultTree)]
+        if all(gate.type in COHERENT for tree in trees for gate in tree.gates.values()):
+            # a failure of a part never makes the system better: a threshold gains from what works
+            for id_, input_ in inputs.items():
+                if input_.type == "bool" and input_.is_good is not None:
+                    inputs[id_] = replace(input_, uses=(Use(input_.is_good),))
+        return list(inputs.values())
+
 
 def order(top: T, below: Mapping[T, Sequence[T]]) -> tuple[list[T], tuple[T, ...]]:
     """Return all that the top reaches, each behind what it uses, or else a cycle, in its order."""
@@ -219,77 +291,6 @@ def order(top: T, below: Mapping[T, Sequence[T]]) -> tuple[list[T], tuple[T, ...
     return list(done), ()
 
 
-def inputs_of(system: ReliabilitySystem) -> list[ModelInput]:
-    """Return the inputs in the order of the models; one that serves two of them once."""
-    inputs: dict[str, ModelInput] = {}
-    for model in system.components.values():
-        for input_ in _inputs(model):
-            inputs.setdefault(input_.id, input_)
-    if system.mission_end:
-        text, seconds = "Seconds from now to the end of the mission", system.horizon * 3600.0
-        inputs[MISSION_END] = ModelInput(
-            MISSION_END, "float", unit="s", description=text, sample=seconds
-        )
-    trees = [c.content for c in system.components.values() if isinstance(c.content, FaultTree)]
-    if all(gate.type in COHERENT for tree in trees for gate in tree.gates.values()):
-        # a failure of a part never makes the system better: a threshold gains from what works
-        for id_, input_ in inputs.items():
-            if input_.type == "bool" and input_.is_good is not None:
-                inputs[id_] = replace(input_, uses=(Use(input_.is_good),))
-    return list(inputs.values())
-
-
 def input_id(model: str, rest: str) -> str:
     """Return the id of an input: names joined, all else than letters and digits as ``_``."""
     return re.sub(r"[^A-Za-z0-9_]", "_", f"{model}_{rest}")
-
-
-def _inputs(model: ComponentModel) -> Iterator[ModelInput]:
-    name, content, values = model.name, model.content, model.values
-
-    def truth(
-        id_: str, text: str, sample: bool, is_good: Callable[[object], bool] | None = None
-    ) -> ModelInput:
-        text, covered = re.sub(r"[\s\"'\\]+", " ", text)[:120], "true" if sample else "false"
-        return ModelInput(
-            id_, "bool", description=text, covered=covered, sample=sample, is_good=is_good
-        )
-
-    def number(
-        rest: str, text: str, sample: float, covered: str, unit: str | None = None
-    ) -> ModelInput:
-        input_ = ModelInput(input_id(name, rest), "float", unit=unit, units=accepted(unit))
-        return replace(input_, description=text, covered=covered, sample=sample)
-
-    if isinstance(content, Chain):
-        for seen in content.observe:
-            text = f"{'True' if seen.negated else 'False'}: {name} is not in state {seen.state}"
-            yield truth(seen.input, text, (seen.state in content.initial) is not seen.negated)
-    elif isinstance(content, FaultTree):
-        for key, event in content.events.items():
-            if event.observed:
-                text = f"Has the event {event.name} happened?"
-                yield truth(input_id(name, key), text, False, lambda value: value is False)
-    elif model.type == "propulsion":
-        count = len(values["rates"])
-        if values["status"] == "list":
-            id_, text = input_id(name, "status"), f"Does each of the {count} motors work?"
-            sample = [True] * count
-            yield ModelInput(id_, "bool[]", description=text, covered="each true", sample=sample)
-            return
-        for i in range(count):
-            id_ = input_id(name, f"motor_{i}")
-            yield truth(id_, f"Does motor {i} work?", True, lambda value: value is True)
-    elif model.type == "k_out_of_n":
-        text = f"How many units are available, {values['k']} are needed"
-        units, good = values["max"] or values["k"], f"at least {values['k']}"
-        yield replace(number("available", text, units, good), type="int")
-    if model.type == "battery":
-        yield number("level", "State of charge in percent", 100.0, "above 25", "percent")
-    if "t_ref" in values:
-        usual, most = values["t_ref"], values["t_max"]
-        text, good = f"Temperature of the {model.type}", f"at most {most:g}"
-        yield number("temperature", text, min(usual, most), good, "degC")
-    if model.type == "processor":
-        text, most = "Load of the processor, 1 for full", values["u_max"]
-        yield number("utilisation", text, min(1.0, most), f"0 to {most:g}")

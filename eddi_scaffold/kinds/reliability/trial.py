@@ -14,7 +14,7 @@ from eddi_runtime.reliability import Reliability, ReliabilityResult
 
 from eddi_scaffold.kinds.reliability.chains import STATES_WRITTEN_OUT
 from eddi_scaffold.kinds.reliability.compile import compile_system
-from eddi_scaffold.kinds.reliability.system import MISSION_END, NAME, ReliabilitySystem, inputs_of
+from eddi_scaffold.kinds.reliability.system import MISSION_END, NAME, ReliabilitySystem
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import Declaration, module_text
 from eddi_scaffold.program.running import module_of
@@ -32,7 +32,7 @@ def at_start(
 ) -> ReliabilityResult:
     """Return the first result with everything in order, or nothing known."""
     monitor: Reliability = _module(system).Monitor()
-    inputs = inputs_of(system.without_unused()) if known else ()
+    inputs = system.without_unused().inputs() if known else ()
     values: dict[str, Any] = {input_.id: input_.sample for input_ in inputs}
     if seconds_left is not None:
         values[MISSION_END] = seconds_left
@@ -50,7 +50,7 @@ def mean_life(system: ReliabilitySystem) -> float | None:
     counts = system.without_unused().counts()
     if sum(counts.values()) - counts["models"] > _TOO_MANY:
         return None
-    inputs = inputs_of(system.without_unused())
+    inputs = system.without_unused().inputs()
     values = SimpleNamespace(**{input_.id: input_.sample for input_ in inputs})
     compiled = _module(replace(system, mission_end=False, thresholds=()), states=0)
     if hasattr(compiled, "battery"):  # what a battery prepares is the same for every horizon
@@ -109,7 +109,7 @@ def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
 
 
 def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> ModuleType:
-    inputs = inputs_of(system.without_unused())
+    inputs = system.without_unused().inputs()
     declaration = Declaration("m", "", tuple(BoundInput(i.id, i.id) for i in inputs))
     compiled = compile_system(system, declaration, states=states)
     text = module_text(NAME, compiled, declaration.model_id)

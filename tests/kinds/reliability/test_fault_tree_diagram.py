@@ -141,7 +141,7 @@ def test_constants_are_put_in_and_change_no_value(seed, coherent, observed):
     events, gates = random_tree(chance, coherent)
     known = {i: chance.random() < 0.5 for i in range(events) if chance.random() < 0.4}
     first = frozenset(i for i in range(events) if observed and i not in known)
-    diagram = build(events, gates, events + len(gates) - 1, first, known=known)
+    diagram = build(events, gates, events + len(gates) - 1, first, known=tuple(known.items()))
     q = [float(known[i]) if i in known else chance.random() for i in range(events)]
     assert probability(diagram)(q) == pytest.approx(enumerated(gates, q), rel=1e-12, abs=1e-300)
     variables = {variable for module in diagram.modules for variable, _, _ in module.nodes}

@@ -111,13 +111,12 @@ def test_laws(law: str, more: str, wanted: Law) -> None:
     assert reading.models[0].data.components["T"].content.events["e"].law == wanted
 
 
-def test_names_are_looked_up_from_the_inside_out() -> None:
+def test_containers_have_the_names_of_the_file() -> None:
     reading = read((DATA / "reliability/containers.opsa.xml").read_text("utf-8"))
     (model,) = reading.models
     content = model.data.components["T"].content
-    assert content.gates["G"].of == ("T.t.G", "E")
-    assert content.gates["T.t.G"].of == ("T.t.H", "T.t.on")
-    assert content.gates["T.t.H"].of == ("E",)
+    assert content.gates["G"].of == ("inner", "E")
+    assert content.gates["inner"].of == ("H", "on")
     assert p_fail(model) == pytest.approx(0.25)
 
 
