@@ -1,6 +1,5 @@
 """Drafts: what is written for each kind of model, and what stays when a person has edited it."""
 
-import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -326,27 +325,6 @@ def test_an_input_that_is_a_state_gets_a_condition_for_each(tmp_path: Path) -> N
     kept = (tmp_path / "draft.yml").read_text("utf-8")
     assert "    NotDriving: odometry.data == 0  # TODO" in kept
     assert "    range_0_to_2_kmh: TODO  # TODO" in kept
-
-
-@pytest.mark.parametrize(
-    ("qos", "line"),
-    [
-        ('deadline: "100 ms"', "0.25  # 2.5 deadlines of 0.1 s in its quality of service"),
-        ("deadline: 0.2 s", "0.5  # 2.5 deadlines of 0.2 s in its quality of service"),
-        ("deadline: infinite", "TODO  # TODO seconds: no rate of /front/clear is known"),
-        ("deadline: 100", "TODO  # TODO seconds: no rate of /front/clear is known"),
-        ("depth: 3", "TODO  # TODO seconds: no rate of /front/clear is known"),
-    ],
-)
-def test_a_deadline_of_the_models_gives_an_age(qos: str, line: str, tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "examples" / "robot-models", tmp_path, dirs_exist_ok=True)
-    node = tmp_path / "nodes" / "laser_driver.ros1"
-    block = rf"\g<0>\1qos:\n\1  {qos}\n"
-    text = re.sub(r"( +)type: std_msgs/msg/Bool\n", block, node.read_text("utf-8"))
-    node.write_text(text, "utf-8")
-    assert connect(tmp_path, "Rover.yml").status == 0
-    drafted = (tmp_path / "draft.yml").read_text("utf-8")
-    assert f"    field: data\n    max_age: {line}\n" in drafted
 
 
 @pytest.mark.parametrize(
