@@ -56,27 +56,6 @@ def content(text: str) -> Map:
     return node
 
 
-def test_an_empty_file_becomes_a_whole_configuration() -> None:
-    text = written("", draft([WAY], [CLEAR]))
-    assert text.splitlines()[2:] == [
-        "Model:",
-        "  id: Rover",
-        "  type: ConSert",
-        "EDDIInputs:",
-        "  - id: WayIsClear",
-        (
-            "    # connect: taken, 42 points: std_msgs/Bool on /front/clear; clear in the name;"
-            " the only field of its message; no other candidate"
-        ),
-        "    requires: [clear]",
-        "    field: data",
-        "    max_age: TODO  # TODO seconds: no rate of /front/clear is known",
-        "EDDIOutputs:",
-        "  - id: rover",
-        "    topic: rover/guarantees",
-    ]
-
-
 def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
     mine = (
         "# mine\r\nModel: {id: Rover, type: ConSert}   # also mine\r\n"
@@ -238,18 +217,6 @@ def test_the_inputs_of_a_chain_follow_from_what_is_observed(tmp_path: Path) -> N
     path.write_text(text, "utf-8")
     assert connect(tmp_path, "drone.xml").status == 0
     assert "  - id: rotors_ok\n    # connect: taken" in path.read_text("utf-8")
-
-
-def test_a_demand_takes_the_guarantee_that_fulfils_it(tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "examples" / "two-conserts", tmp_path, dirs_exist_ok=True)
-    words = ("connect", "two_conserts.xml", "--name", "ConSertA")
-    alone = run(*words, cwd=tmp_path)
-    assert "  - id: RtE_A_D0\n    # connect: a guarantee of another monitor; --with" in alone.out
-    both = run(*words, "--with", "consert_b_config.yml", cwd=tmp_path)
-    assert both.status == 0
-    taken = '    field: "guarantees[System_A_G0_c2].active"\n'
-    assert f"{taken}  - id" in both.out  # without max_age: a monitor's message has its own
-    assert "    type: eddi_messages.ConSertOutput\n    topic: consertb/guarantees\n" in both.out
 
 
 def test_evidence_of_another_name_is_left_to_a_person(tmp_path: Path) -> None:

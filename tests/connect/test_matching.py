@@ -102,13 +102,6 @@ def test_the_nearest_miss_is_named(need: InputNeed, topic: str, why: str) -> Non
     assert (missed.topic.id, missed.reasons) == (topic, (why,))
 
 
-def test_the_nearest_thing_is_the_least_range_of_the_only_scanner() -> None:
-    topics = [one for one in TOPICS if one.id != "scan_rear"]
-    (decision,) = decide([InputNeed("nearest", "float", unit="m")], topics, known_messages().get)
-    assert decision.state == "taken"
-    assert decision.candidates[0].access.text == "MIN(scan_front.ranges[*], COVERAGE 0.9)"
-
-
 def test_claims_of_other_names_are_listed_only_where_none_is_like_the_input() -> None:
     offers = [
         Fulfilment(TOPICS[-2], f"evidence[{key}].active", "", key, is_sure=False)

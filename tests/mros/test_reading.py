@@ -257,36 +257,6 @@ def test_what_is_refused(text: str, old: str, new: str, message: str) -> None:
     assert message in refused.value.message
 
 
-def test_a_tab_counts_eight_columns() -> None:
-    text = "demo:\n\tnodes:\n\t\ta:\n                  from: 'p.n'\n"
-    assert read_rossystem(text).components[0].from_node == "p.n"
-    with pytest.raises(MrosSyntaxError, match="indentation of 12"):
-        read_rossystem("demo:\n\tnodes:\n\t\ta:\n\t\t\tfrom: 'p.n'\n            b:\n")
-
-
-def test_unknown_keys_are_warnings_and_misspelt_ones_errors() -> None:
-    system = read_rossystem("demo:\n  colour: red\n  node:\n    a:\n      from: 'p.n'\n")
-    assert system.components == ()
-    unknown, misspelt = system.problems
-    assert (unknown.case, unknown.place.line) == ("M005.unknown_key", 2)
-    assert (misspelt.case, misspelt.place.line) == ("M006.misspelt", 3)
-    assert "did you mean 'nodes'?" in misspelt.message
-
-
-@pytest.mark.parametrize(
-    ("text", "case", "why"),
-    [
-        ('<?xml version="1.0"?><x/>', "M001.foreign", "xmi"),
-        ("---\nmy:\n  systems:\n    a:\n", "M001.foreign", "rossdl"),
-        ("  // nothing\n/* at all */ # here\n", "M001.empty", ""),
-    ],
-)
-def test_what_is_something_else_is_named(text: str, case: str, why: str) -> None:
-    with pytest.raises(MrosSyntaxError) as refused:
-        read_rossystem(text)
-    assert (refused.value.case, refused.value.format) == (case, why)
-
-
 def test_bytes_that_are_no_text() -> None:
     with pytest.raises(MrosSyntaxError, match="byte 4 ") as refused:
         read_rossystem(b"a:\n \xff")

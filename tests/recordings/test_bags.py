@@ -82,17 +82,6 @@ def folder(tmp_path: Path) -> Path:
     return example(tmp_path)
 
 
-def test_one_step_per_period(folder: Path) -> None:
-    written(
-        folder / "a.bag",
-        [healthy(0, False), healthy(0.25, True), demand(0.45, True), demand(1.2, False)],
-    )
-    assert verdicts(folder) == [
-        (0.0, "00"), (0.1, "00"), (0.2, "00"), (0.3, "10"), (0.4, "10"), (0.5, "11"), (0.6, "11"),
-        (0.7, "11"), (0.8, "11"), (0.9, "11"), (1.0, "10"), (1.1, "10"), (1.2, "10"),
-    ]  # fmt: skip
-
-
 def as_ros2(bag: Path, place: Path, storage: str, *, definitions: bool) -> None:
     convert([bag], place, storage, 8, None, "file", None, None, (), (), (), ())
     if not definitions:  # as Humble wrote them
@@ -216,15 +205,6 @@ def test_the_definitions_of_the_bag_are_the_ones_that_count(
     assert (result.status, result.out) == (2, "")
     assert "c.yml:8:" in result.err
     assert re.search(f"robot_msgs/Battery in the bag: .*{words}.*\\[I012\\]", result.err)
-
-
-@pytest.mark.parametrize(
-    "text", ["requires: [battery], field: charging", 'expression: "battery.volts < 12"']
-)
-def test_fields_that_the_bag_has_are_read(tmp_path: Path, text: str) -> None:
-    result = battery(tmp_path, "volts: float32, charging: bool", text)
-    assert result.status == 0, result.err
-    assert result.out.splitlines() == ["     0.000  empty active"]
 
 
 def test_the_parts_of_a_time_are_called_as_on_the_robot(tmp_path: Path) -> None:

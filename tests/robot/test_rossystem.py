@@ -215,16 +215,6 @@ def test_a_filter_that_keeps_nothing_is_refused(
     assert (problem.code, problem.message, problem.hint) == ("M022", message, hint)
 
 
-def test_long_lists_of_what_there_is_are_cut(robot: Path) -> None:
-    more = "".join(f"    n{number}:\n      from: 'arm.driver'\n" for number in range(40))
-    edit(robot / "robot.rossystem", "  nodes:\n", f"  nodes:\n{more}")
-    with pytest.raises(EddiError) as refused:
-        parsed(robot, filters=Filters(components=("zebra",)))
-    (problem,) = refused.value.problems
-    assert (problem.hint or "").startswith("there are: arm, camera, front, n0, n1, n10, ")
-    assert (problem.hint or "").endswith(" and 23 more")
-
-
 def test_what_a_filter_leaves_out_is_said_to_be_left_out(robot: Path) -> None:
     parsed(robot)
     edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
