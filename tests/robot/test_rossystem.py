@@ -168,39 +168,15 @@ def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
 @pytest.mark.parametrize(
     ("filters", "message", "hint"),
     [
-        (
-            Filters(topics=("/jonts",)),
-            "no topic matches --only '/jonts'",
-            "did you mean '/joints'?",
-        ),
-        (
-            Filters(topics=("/lidar/*",)),
-            "no topic matches --only '/lidar/*'",
-            "there are: /front/scan, /image, /joints, /load",
-        ),
-        (
-            Filters(topics=("/joints", "/Front/*")),
-            "no topic matches --only '/Front/*'",
-            "did you mean '/front/scan'?",
-        ),
-        (
-            Filters(components=("frnt*", "arm")),
-            "no component matches --component 'frnt*'",
-            "did you mean 'front'?",
-        ),
+        (Filters(("/jonts",)), "no topic matches --only '/jonts'", "did you mean '/joints'?"),
         (
             Filters(components=("x",)),
             "no component matches --component 'x'",
             "there are: arm, camera, front",
         ),
         (
-            Filters(topics=("/joints",), components=("front",)),
-            "no topic is left by --only '/joints' --component 'front'",
-            None,
-        ),
-        (
-            Filters(components=("camera",), no_infrastructure=True),
-            "no topic is left by --component 'camera' --exclude-infrastructure",
+            Filters(("/joints",), ("front",), no_infrastructure=True),
+            "no topic is left by --only '/joints' --component 'front' --exclude-infrastructure",
             None,
         ),
     ],

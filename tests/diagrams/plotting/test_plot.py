@@ -15,11 +15,6 @@ def track(*values: object, name: str = "G0") -> Track:
     return tracks_of("outputs", [(float(t), {name: v}) for t, v in enumerate(values)])[0]
 
 
-def bands(svg: str) -> list[str]:
-    root = ET.fromstring(svg)
-    return [title.text or "" for rect in root.iter(f"{SVG}rect") for title in rect]
-
-
 def levels(svg: str) -> list[float]:
     (line,) = ET.fromstring(svg).iter(f"{SVG}path")
     steps = line.attrib["d"].replace("M", "L").split("L")[1::2]
