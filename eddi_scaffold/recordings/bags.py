@@ -25,7 +25,7 @@ from eddi_scaffold.common.problems import (
 )
 from eddi_scaffold.config.field_types import EITHER_TIMES, TIMES, Fields, MessageFields
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.kinds import kinds
+from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
@@ -84,7 +84,9 @@ def read_bag(
         connections = [c for c in bag.connections if topic_of(c) in outside]
         _refuse(_wrong_types(connections, outside))
         types = _types_of(bag, connections)
-        _refuse(p for monitor in monitors for p in _misfits(monitor, types))
+        # A package remembers no model: what its code does not find, it says itself.
+        modelled = [monitor for monitor in monitors if type(monitor.model) is not Model]
+        _refuse(p for monitor in modelled for p in _misfits(monitor, types))
         for connection in connections:
             _name_times_as_rospy(bag.types(connection).types)
         start = int(bag.start_time)

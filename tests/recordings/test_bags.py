@@ -189,7 +189,7 @@ def battery(folder: Path, declared: str, text: str) -> Any:
             "has no field 'voltage'",
         ),
         # the only field needs no `field:`
-        ("charged: bool", "requires: [battery]", "the messages have no such field"),
+        ("charged: bool", "requires: [battery]", "no such field for the input low"),
         (
             "volts: bool",
             "requires: [battery], field: volts",
