@@ -22,7 +22,7 @@ from tests.data_files import data_file
 
 def outputs_of(system: Path, folder: Path, **options: Any) -> tuple[Outputs, list[Problem]]:
     one, problems = load_system(system, folder)
-    models = load_models(folder, systems=bool(one.subsystems))
+    models = load_models(folder)
     outputs = simulator_outputs(one, models, **options)
     return outputs, [*problems, *models.problems, *outputs.problems]
 
