@@ -176,7 +176,7 @@ def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
         ),
         (
             Filters(("/joints",), ("front",), no_infrastructure=True),
-            "no topic is left by --only '/joints' --component 'front' --exclude-infrastructure",
+            "no topic matches all filters",
             None,
         ),
     ],
