@@ -19,7 +19,6 @@ from eddi_scaffold.common.problems import (
     EddiError,
     Place,
     Problem,
-    has_errors,
     most_similar,
     problem,
 )
@@ -82,11 +81,13 @@ def read_bag(
     outside = {topic: who for topic, who in listeners.items() if topic not in own}
     with opened(path, monitors) as bag:
         connections = [c for c in bag.connections if topic_of(c) in outside]
-        _refuse(_wrong_types(connections, outside))
         types = _types_of(bag, connections)
-        # A package remembers no model: what its code does not find, it says itself.
-        modelled = [monitor for monitor in monitors if type(monitor.model) is not Model]
-        _refuse(p for monitor in modelled for p in _misfits(monitor, types))
+        errors = list(_wrong_types(connections, outside))
+        for monitor in monitors:
+            if type(monitor.model) is not Model:  # a package says itself what its code lacks
+                errors += _misfits(monitor, types)
+        if errors:
+            raise EddiError(*errors)
         for connection in connections:
             _name_times_as_rospy(bag.types(connection).types)
         start = int(bag.start_time)
@@ -221,12 +222,6 @@ def _type(node: Any, content: Any) -> str:
         return _TIMES.get(name, name)
     inner, size = content  # an array or a sequence
     return f"{_type(*inner)}[{size if node.name == 'ARRAY' else ''}]"
-
-
-def _refuse(problems: Iterable[Problem]) -> None:
-    errors = list(problems)
-    if has_errors(errors):
-        raise EddiError(*errors)
 
 
 def _wrong_types(connections: Sequence[Any], listeners: Listeners) -> Iterator[Problem]:
