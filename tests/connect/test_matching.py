@@ -36,15 +36,9 @@ def decided(need: InputNeed, offers: list[Fulfilment] | None = None) -> Decision
     [
         ("Speed", "float", "m/s", "odom", "field", "twist.twist.linear.x", None),
         ("YawRate", "float", "deg/s", "odom", "field", "twist.twist.angular.z", "rad/s"),
-        ("AngularSpeed", "float", "rad/s", "odom", "field", "twist.twist.angular.z", None),
-        ("RearClearance", "float", "m", "scan_rear", "expression", "MIN(", None),
         ("GripperClosed", "bool", None, "gripper_closed", "field", "data", None),
-        ("FrontStandby", "bool", None, "front_standby", "field", "data", None),
         ("BatteryCharge", "float", "percent", "battery", "field", "percentage", "fraction"),
-        ("battery_level", "float", "percent", "battery", "field", "percentage", "fraction"),
-        ("MotorTemperature", "float", "degC", "temperature", "field", "temperature", None),
         ("CameraFeatures", "float[]", None, "features", "field", "data", None),
-        ("BatteryPresent", "bool", None, "battery", "field", "present", None),
     ],
 )
 def test_what_is_clear_is_taken(
