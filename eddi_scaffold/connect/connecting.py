@@ -29,7 +29,7 @@ from eddi_scaffold.common.problems import (
 from eddi_scaffold.config.field_types import Fields, MessageFields, declared
 from eddi_scaffold.config.file import undecided
 from eddi_scaffold.config.topic_block import extended, read_block
-from eddi_scaffold.connect.draft import Age, age_line, deadline_age, entry
+from eddi_scaffold.connect.draft import Age, age_line, entry
 from eddi_scaffold.connect.keeping import Draft, model_id, text_of, topics_of, with_draft
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.robot import robot_of
@@ -250,15 +250,13 @@ class _Connecting:
     def result(self) -> DraftResult:
         """Join everything."""
         document, problems = self.document, list[Problem]()
-        types, ages_of = {**self.surroundings.types, **known_messages()}, dict[str, Age]()
+        types, ages_of = {**self.surroundings.types, **known_messages()}, self.surroundings.ages
         robot = robot_of(self.surroundings.system, self.surroundings.models)
         if robot is not None:
             types |= robot.message_types()
         if robot is not None and robot.path is not None:  # its topics, as parse-rossystem has them
             parsed = with_topics(robot, document, writes=lambda topic: is_ros_name(topic.topic))
             document = read_block(Source(document.name, parsed.after.encode()))
-            ages = [(t.topic, deadline_age(t.deadlines)) for t in parsed.outputs.topics]
-            ages_of = {topic: age for topic, age in ages if age is not None}
             problems = robot.located(parsed.problems)
         ids = [id_ for _, id_ in self.entries if id_ is not None]
         declared_inputs = [DeclaredInput(id_, None, None, None, self.model.place) for id_ in ids]
@@ -279,7 +277,6 @@ class _Connecting:
             if topic in named
         ]
         document = read_block(Source(document.name, extended(document, new).encode()))
-        ages_of |= self.surroundings.ages
         full_names = {topic.topic: full_topic(topic.topic, "", self.package) for topic in topics}
         limits = {topic: ages_of[full] for topic, full in full_names.items() if full in ages_of}
         draft = Draft(

@@ -14,7 +14,6 @@ from statistics import median
 
 from eddi_scaffold.common.escaping import one_line
 from eddi_scaffold.common.identifiers import TODO, attribute
-from eddi_scaffold.common.units import QuantityError, duration
 from eddi_scaffold.connect.matching import Decision
 from eddi_scaffold.connect.scoring import Candidate
 from eddi_scaffold.connect.topics import RobotTopic
@@ -64,27 +63,7 @@ def recorded_age(times: Sequence[int], where: str) -> Age | None:
         return None  # it has no period
     if pauses:
         why += f", without {pauses} gap{'s' if pauses > 1 else ''} of up to {max(gaps):.2g} s"
-    return age_of(usual, max(steady), why)
-
-
-def deadline_age(deadlines: Sequence[str]) -> Age | None:
-    """Return the limit for a topic by the quality of service of all that publish it.
-
-    Only where each of them promises a deadline with a unit: `100 ms`. The longest counts.
-    """
-    try:
-        durations = [duration(deadline) for deadline in deadlines]
-    except QuantityError:
-        return None
-    if not durations or not all(known.has_unit and known.value > 0 for known in durations):
-        return None
-    seconds = max(known.value for known in durations) * 3600
-    return age_of(seconds, 0.0, f"2.5 deadlines of {seconds:g} s in its quality of service")
-
-
-def age_of(period: float, longest: float, why: str) -> Age:
-    """Return the limit for messages that come so often: usual and longest seconds between two."""
-    seconds = max(_PERIODS * period, _SPARE * longest)
+    seconds = max(_PERIODS * usual, _SPARE * max(steady))
     digit = 10.0 ** (math.floor(math.log10(seconds)) - 1)
     return Age(float(f"{math.ceil(round(seconds / digit, 6)) * digit:.2g}"), why)
 

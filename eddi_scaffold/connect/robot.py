@@ -27,8 +27,6 @@ from eddi_scaffold.mros import (
 from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.topics import Outputs, TopicEntry, silent_problems, simulator_outputs
 
-_NO_SYSTEM = System("", "indent", "", (), ())
-
 
 @dataclass(frozen=True)
 class Robot:
@@ -95,14 +93,13 @@ def read_robot(system: Path | None, folder: Path) -> Robot:
     Raises:
         EddiError: the system cannot be read, or there is no such directory.
     """
+    models = load_models(folder)
     if system is None:
-        models = load_models(folder)
-        return Robot(folder, None, _NO_SYSTEM, models, models.problems)
+        return Robot(folder, None, System("", "indent", "", (), ()), models, models.problems)
     try:
         model, problems = load_system(system, folder)
     except EddiError as failed:  # who can go no further sees an error in any case
         raise EddiError(*(replace(fault, level="error") for fault in failed.problems)) from None
-    models = load_models(folder, systems=bool(model.subsystems))
     return Robot(folder, system, model, models, (*problems, *models.problems))
 
 
@@ -158,9 +155,8 @@ def check_robots(
     """
     robot, problems = None, list[Problem]()
     if folder is not None:
-        models = load_models(folder, systems=True)
-        robot = Robot(folder, None, _NO_SYSTEM, models, models.problems)
-        problems += robot.located(models.problems)
+        robot = read_robot(None, folder)
+        problems += robot.located(robot.problems)
     for path in files:
         problems += _check_file(path, robot, configs)
     return problems, None if robot is None else RobotAdditions(types=robot.message_types())

@@ -104,16 +104,10 @@ class Filters:
         ]
         some = self.topics or self.components
         if some and not wrong and outputs.is_complete and not outputs.topics:
-            wrong = [problem("M022.no_topic", filters=self)]
+            wrong = [problem("M022.no_topic")]
         if wrong:
             problems = in_order([*robot.problems, *outputs.problems])
             raise EddiError(*robot.located(p for p in problems if p.level == "error"), *wrong)
-
-    def __str__(self) -> str:
-        """Return the filters as they are given on the command line."""
-        options = [f"{_ONLY} {glob!r}" for glob in self.topics]
-        options += [f"{_COMPONENT} {glob!r}" for glob in self.components]
-        return " ".join([*options, *[_NO_INFRASTRUCTURE] * self.no_infrastructure])
 
 
 def _matches(names: Iterable[str], *globs: str) -> bool:

@@ -81,7 +81,7 @@ def laid_out(diagram: Diagram) -> Layout:
         if (a, b) in sides:
             wide = 2 * (_APART + text_width(edge.label) + _BEND)
             widths[a], widths[b] = max(widths[a], wide), max(widths[b], wide)
-    middles = placed(rows, widths, layers.links(), _GAP_X)
+    middles = placed(rows, widths, layers.links())
     heights = [
         max((sizes[node][1] for node in row if node < len(nodes)), default=0.0) for row in rows
     ]
@@ -112,7 +112,6 @@ class Layers:
     rows: tuple[tuple[int, ...], ...]
     # for each edge the numbers on its way, in the direction of the layers
     chains: tuple[tuple[int, ...], ...]
-    turned: tuple[bool, ...]  # whether the edge leads against the layers, because it closes a cycle
 
     def links(self) -> list[Edge]:
         """Return the pieces of all edges between neighbouring layers, each once."""
@@ -121,8 +120,8 @@ class Layers:
 
 def layered(count: int, edges: Sequence[Edge]) -> Layers:
     """Assign layers; a loop, and an edge across very many layers, has an empty chain."""
-    turned = _turned(count, edges)
-    forward = [(b, a) if back else (a, b) for (a, b), back in zip(edges, turned, strict=True)]
+    turned = zip(edges, _turned(count, edges), strict=True)
+    forward = [(b, a) if is_back else (a, b) for (a, b), is_back in turned]
     depth = _depths(count, [edge for edge in forward if edge[0] != edge[1]])
     rows: list[list[int]] = [[] for _ in range(max(depth, default=-1) + 1)]
     for node, row in enumerate(depth):
@@ -145,7 +144,7 @@ def layered(count: int, edges: Sequence[Edge]) -> Layers:
             rows[row].append(bend)
         chains.append((start, *between, end))
         bends += len(between)
-    return Layers(tuple(map(tuple, rows)), tuple(chains), tuple(turned))
+    return Layers(tuple(map(tuple, rows)), tuple(chains))
 
 
 def _turned(count: int, edges: Sequence[Edge]) -> list[bool]:
@@ -244,9 +243,7 @@ def _sort(row: list[int], fixed: Sequence[int], neighbours: Mapping[int, Sequenc
     row[:] = [node for _, _, node in sorted(means)]
 
 
-def placed(
-    rows: Rows, widths: Mapping[int, float], links: Sequence[Edge], gap: float
-) -> dict[int, float]:
+def placed(rows: Rows, widths: Mapping[int, float], links: Sequence[Edge]) -> dict[int, float]:
     """Return the middle of every node and bend along its row; the leftmost edge is at 0."""
     neighbours: dict[int, list[int]] = {node: [] for row in rows for node in row}
     for start, end in links:
@@ -257,27 +254,27 @@ def placed(
         left = 0.0
         for node in row:
             middles[node] = left + widths[node] / 2
-            left += widths[node] + gap
+            left += widths[node] + _GAP_X
     for number in range(_ROUNDS):
         for row in rows if number % 2 else reversed(rows):
             means = []
             for node in row:
                 places = [middles[other] for other in neighbours[node]] or [middles[node]]
                 means.append(sum(places) / len(places))
-            spread = _spread(means, [widths[node] for node in row], gap)
+            spread = _spread(means, [widths[node] for node in row])
             middles.update(zip(row, spread, strict=True))
     least = min((middles[node] - widths[node] / 2 for node in middles), default=0.0)
     return {node: value - least for node, value in middles.items()}
 
 
-def _spread(places: Sequence[float], widths: Sequence[float], gap: float) -> list[float]:
+def _spread(places: Sequence[float], widths: Sequence[float]) -> list[float]:
     """Move places as little as possible (least squares) until no two overlap.
 
     Pool adjacent violators: what would overlap becomes a block around its common mean.
     """
     offsets = [0.0]
     for before, after in pairwise(widths):
-        offsets.append(offsets[-1] + (before + after) / 2 + gap)
+        offsets.append(offsets[-1] + (before + after) / 2 + _GAP_X)
     blocks: list[tuple[float, int]] = []
     for place, offset in zip(places, offsets, strict=True):
         total, count = place - offset, 1

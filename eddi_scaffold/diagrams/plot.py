@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from eddi_scaffold.common.escaping import xml_text
+from eddi_scaffold.diagrams.svg import document
 
 Value = bool | int | float | str | None  # `None` is unknown
 
@@ -122,20 +123,9 @@ def plot(title: str, tracks: Sequence[Track]) -> str:
         body.append(_text(_LEFT - 10, y + height // 2 + 4, track.name, anchor="end", width=28))
         body += (_line if track.form == "number" else _bands)(track, y, height, span)
         y += height + _GAP
-    name, height = xml_text(title), y + 56
-    size = f'width="{_WIDTH}" height="{height}" viewBox="0 0 {_WIDTH} {height}"'
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-label="{name}">',
-        f"<title>{name}</title>",
-        f"<style>{_STYLE}</style>{_HATCH}",
-        f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>',
-        _text(12, 24, title, "title"),
-        *_grid(span, y),
-        *body,
-        *_legend(y + 40),
-        "</svg>",
-    ]
-    return "\n".join(parts) + "\n"
+    body = [_text(12, 24, title, "title"), *_grid(span, y), *body, *_legend(y + 40)]
+    style = f"<style>{_STYLE}</style>{_HATCH}"
+    return document(xml_text(title), f"{_WIDTH}", f"{y + 56}", [style], body)
 
 
 def _bands(track: Track, y: int, height: int, span: Span) -> Iterable[str]:

@@ -39,24 +39,31 @@ def drawn(diagram: Diagram) -> str:
     width = max(layout.width, title_width, legend_width) + 2 * _MARGIN
     legend_y = _TITLE + layout.height + _MARGIN
     height = legend_y + (_LEGEND if diagram.legend else 0.0)
-    name = xml_text(diagram.title)
-    size = f'width="{_n(width)}" height="{_n(height)}" viewBox="0 0 {_n(width)} {_n(height)}"'
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-label="{name}">',
-        f"<title>{name}</title>",
-        f"<desc>{xml_text(diagram.description)}</desc>",
-        f"<style>{_STYLE}</style>",
-        _ARROW,
-        f'<rect width="{_n(width)}" height="{_n(height)}" fill="#ffffff"/>',
+    name, top = xml_text(diagram.title), _n(_TITLE)
+    head = (f"<desc>{xml_text(diagram.description)}</desc>", f"<style>{_STYLE}</style>", _ARROW)
+    body = [
         f'<text class="title" x="{_n(_MARGIN)}" y="24">{name}</text>',
-        f'<g transform="translate({_n((width - layout.width) / 2)} {_n(_TITLE)})">',
+        f'<g transform="translate({_n((width - layout.width) / 2)} {top})">',
         *(_edge(route) for route in layout.routes),
         *(part for box in layout.boxes for part in _node(box)),
         "</g>",
         *_legend(diagram.legend, legend_y),
-        "</svg>",
     ]
-    return "\n".join(parts) + "\n"
+    return document(name, _n(width), _n(height), head, body)
+
+
+def document(name: str, width: str, height: str, head: Iterable[str], body: Iterable[str]) -> str:
+    """Return an SVG on white; its name is escaped."""
+    size = f'width="{width}" height="{height}"'
+    box = f'{size} viewBox="0 0 {width} {height}" role="img" aria-label="{name}"'
+    return "\n".join([
+        f'<svg xmlns="http://www.w3.org/2000/svg" {box}>',
+        f"<title>{name}</title>",
+        *head,
+        f'<rect {size} fill="#ffffff"/>',
+        *body,
+        "</svg>\n",
+    ])  # fmt: skip
 
 
 def _edge(route: Route) -> str:

@@ -97,8 +97,8 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Pr
     return system, list(system.problems)
 
 
-def load_models(folder: Path, *, systems: bool = False) -> Models:
-    """Read every model below a directory, in the order of the POSIX paths, or systems as well.
+def load_models(folder: Path) -> Models:
+    """Read every model and system below a directory, in the order of the POSIX paths.
 
     Links to directories are not followed, hidden ones not entered: ours hold copies of models.
 
@@ -108,14 +108,13 @@ def load_models(folder: Path, *, systems: bool = False) -> Models:
     if not folder.is_dir():
         reason = "it is not a directory" if folder.exists() else "there is no such directory"
         raise EddiError(problem("F001.models", Place(str(folder)), reason=reason))
-    suffixes = (*MODEL_SUFFIXES, SYSTEM_SUFFIX) if systems else MODEL_SUFFIXES
     names = []
     for root, folders, files in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith(".")]
         names += [
             Path(root, name).relative_to(folder).as_posix()
             for name in files
-            if name.endswith(suffixes)
+            if name.endswith((*MODEL_SUFFIXES, SYSTEM_SUFFIX))
         ]
     models: list[RosModel] = []
     parts: list[System] = []

@@ -233,7 +233,7 @@ class IndentReader:
     def _interface(self, line: Line, kind: InterfaceKind) -> Interface:
         name, place = self._heading(line, "the name of an interface")
         of = ns = None
-        type_place, deadline = place, ""
+        type_place = place
         for key, rest, inner in self._known(line, ("type", "ns", "qos")):
             if key == "type":
                 type_place = rest.place()
@@ -243,11 +243,10 @@ class IndentReader:
                 ns = None if rest.at_end() else rest.name("a namespace")
             else:
                 skip_block(self.text, inner)
-                deadline = _deadline(inner)
             rest.skip()
         if of is None:
             raise self.text.error(line.offset, f"the interface {quoted(name)} has no 'type:'")
-        return Interface(kind, name, of, ns, place, type_place, deadline)
+        return Interface(kind, name, of, ns, place, type_place)
 
     def _spec(self, line: Line, kind: str) -> Spec:
         words = LineCursor(self.text, line)
@@ -270,12 +269,3 @@ class IndentReader:
             while not cursor.at_end():
                 fields.append(cursor.field())
         return part.lower(), tuple(fields)
-
-
-def _deadline(qos: Line) -> str:
-    """Return what stands behind ``deadline:`` in a quality of service."""
-    for line in qos.below:
-        key, *rest = [text for _, text, _ in line.tokens[:-1]] or [""]
-        if key.casefold() == "deadline" and rest[:1] == [":"]:
-            return " ".join(rest[1:]).strip("\"'")
-    return ""

@@ -122,7 +122,6 @@ class Interface:
     ns: str | None
     place: Place
     type_place: Place
-    deadline: str = ""  # of its quality of service, as it is written; empty for none
 
     @property
     def ros_type(self) -> str | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from eddi_scaffold.common.problems import Problem, plural
-from eddi_scaffold.mros.model import SECTIONS, RosModel, System
+from eddi_scaffold.mros.model import SECTIONS, Field, RosModel, System
 from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 
 Json = Any
@@ -59,22 +59,18 @@ def model_json(model: RosModel) -> dict[str, Json]:
             }
             for artifact in package.artifacts
         ]
-        specs = []
-        for spec in package.specs:
-            sections = {}
-            for section, fields in spec.sections:
-                sections[section] = [
-                    [
-                        field.type,
-                        field.name if field.value is None else f"{field.name}={field.value}",
-                    ]
-                    for field in fields
-                ]
-            specs.append([spec.name, sections])
+        specs = [
+            [spec.name, {name: [*map(_field, fields)] for name, fields in spec.sections}]
+            for spec in package.specs
+        ]
         packages.append({"name": package.name, "artifacts": artifacts, "specs": specs})
     return {
         "result": "ok", "dialect": model.dialect, "packages": packages, **_warnings(model.problems)
     }  # fmt: skip
+
+
+def _field(field: Field) -> list[str]:
+    return [field.type, field.name if field.value is None else f"{field.name}={field.value}"]
 
 
 def failure_json(failed: MrosSyntaxError) -> dict[str, Json]:
@@ -126,8 +122,5 @@ def model_tree(model: RosModel) -> Iterator[str]:
         for spec in package.specs:
             yield f"  {spec.kind or 'message'} {spec.name}"
             for section, fields in spec.sections:
-                names = ", ".join(
-                    f"{field.type} {field.name}" + (f"={field.value}" if field.value else "")
-                    for field in fields
-                )
+                names = ", ".join(" ".join(_field(field)) for field in fields)
                 yield f"    {section}: {names or 'nothing'}"

@@ -34,7 +34,6 @@ class Topic(TopicEntry):
 
     kind: TopicKind = "published"
     components: tuple[str, ...] = ()  # who provides it or, of kind `subscribed`, waits for it
-    deadlines: tuple[str, ...] = ()  # of who publishes it, as they are written; empty for none
 
 
 @dataclass(frozen=True)
@@ -201,13 +200,11 @@ class _Collector:
     def _add(
         self, topic: str, resolved: ResolvedInterface, name: str, type_: str, kind: TopicKind
     ) -> None:
-        component, deadline = resolved.component.name, resolved.interface.deadline
+        component = resolved.component.name
         known = self.topics.get(topic)
         if known is None:
             self.names[topic] = name
-            self.topics[topic] = Topic(
-                "", type_, topic, resolved.place, kind, (component,), (deadline,)
-            )
+            self.topics[topic] = Topic("", type_, topic, resolved.place, kind, (component,))
             return
         if known.type != type_:
             case = "M012.subscribed_types" if kind == "subscribed" else "M012.two_types"
@@ -216,8 +213,7 @@ class _Collector:
             self.problems.append(problem(case, resolved.place, **fields, **more))
         if known.kind == kind and component not in known.components:
             components = (*known.components, component)
-            deadlines = (*known.deadlines, deadline)
-            self.topics[topic] = replace(known, components=components, deadlines=deadlines)
+            self.topics[topic] = replace(known, components=components)
 
 
 def topic_name(name: str, namespace: str | None, component: str) -> tuple[str, bool]:

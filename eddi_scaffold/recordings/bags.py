@@ -14,29 +14,19 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.files import NotRegularError, note_input, open_regular
-from eddi_scaffold.common.identifiers import attribute, full_topic, is_ros_name
+from eddi_scaffold.common.identifiers import full_topic, is_ros_name
 from eddi_scaffold.common.problems import (
     EddiError,
     Place,
     Problem,
-    has_errors,
     most_similar,
     problem,
 )
-from eddi_scaffold.config.field_paths import (
-    FieldPath,
-    FieldPathError,
-    parse_field,
-    path_text,
-    resolve,
-)
-from eddi_scaffold.config.field_types import TIMES, Fields, MessageFields
-from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
-from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors.binding import BoundMonitor, known_types
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, head_of, path_behind
-from eddi_scaffold.monitors.input_binding import InputBinding, fits
-from eddi_scaffold.monitors.message_types import ros2_fields
+from eddi_scaffold.config.field_types import EITHER_TIMES, TIMES, Fields, MessageFields
+from eddi_scaffold.config.schema import SimulatorOutput
+from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
+from eddi_scaffold.monitors.message_types import known_messages, ros2_fields
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
 
@@ -91,10 +81,13 @@ def read_bag(
     outside = {topic: who for topic, who in listeners.items() if topic not in own}
     with opened(path, monitors) as bag:
         connections = [c for c in bag.connections if topic_of(c) in outside]
-        _refuse(_wrong_types(connections, outside))
         types = _types_of(bag, connections)
-        there = {topic_of(connection) for connection in connections}
-        _refuse(p for monitor in monitors for p in _check_fields(monitor, types, there))
+        errors = list(_wrong_types(connections, outside))
+        for monitor in monitors:
+            if type(monitor.model) is not Model:  # a package says itself what its code lacks
+                errors += _misfits(monitor, types)
+        if errors:
+            raise EddiError(*errors)
         for connection in connections:
             _name_times_as_rospy(bag.types(connection).types)
         start = int(bag.start_time)
@@ -231,12 +224,6 @@ def _type(node: Any, content: Any) -> str:
     return f"{_type(*inner)}[{size if node.name == 'ARRAY' else ''}]"
 
 
-def _refuse(problems: Iterable[Problem]) -> None:
-    errors = list(problems)
-    if has_errors(errors):
-        raise EddiError(*errors)
-
-
 def _wrong_types(connections: Sequence[Any], listeners: Listeners) -> Iterator[Problem]:
     for connection in connections:
         type_ = type_of(connection)
@@ -248,49 +235,19 @@ def _wrong_types(connections: Sequence[Any], listeners: Listeners) -> Iterator[P
                 yield problem("I012.type", place, **fields)
 
 
-def _check_fields(
-    monitor: BoundMonitor, types: MessageFields, there: Collection[str]
-) -> Iterator[Problem]:
+def _misfits(monitor: BoundMonitor, types: MessageFields) -> Iterator[Problem]:
     """Report fields that messages in the bag do not have, or not of that type (I012)."""
     assert monitor.config is not None
-    bindings = {binding.model.id: binding for binding in monitor.inputs}
-    for index, entry in enumerate(monitor.config.config.EDDIInputs):
-        binding = bindings.get(entry.id)
-        if binding is None:
-            continue
-        key = next((key for key in ("field", *EXPRESSION_KEYS) if getattr(entry, key)), "requires")
-        place = monitor.config.place("EDDIInputs", index, key)
-        for source, path, is_value in _fields_read(binding, entry):
-            if monitor.topic(source.topic) not in there:
-                continue
-            shown = f"{source.type} in the bag"
-            try:
-                type_ = resolve(path, source.type, types.get).type
-            except FieldPathError as failure:
-                yield problem("I012.value", place, hint=failure.hint, shown=shown, problem=failure)
-                continue
-            if is_value and type_ is not None and not fits(type_, binding.model.type):
-                message = f"{shown}: {path_text(path)!r} is a {type_}"
-                yield problem("I012.value_type", place, message=message, type=binding.model.type)
-
-
-def _fields_read(
-    binding: InputBinding, entry: InputEntry
-) -> Iterator[tuple[SimulatorOutput, FieldPath, bool]]:
-    """Yield message, path, and whether what is there is the value itself."""
-    if binding.reads is not None:
-        sources = {attribute(requirement.id): requirement for requirement in binding.requires}
-        for name in binding.reads:
-            if head_of(name) in sources:
-                yield sources[head_of(name)], path_behind(name), False
-        return
-    if not binding.is_given:
-        return
-    for argument, source in zip(binding.arguments, binding.requires, strict=False):
-        known = (binding.known_fields or {}).get(argument, ())
-        field = known[0] if entry.field is None and len(known) == 1 else entry.field
-        if field is not None:
-            yield source, parse_field(field), True
+    known = known_types(monitor.config, {**known_messages(), **EITHER_TIMES})
+    rebound, errors = bound_to(monitor, {**known, **types, **EITHER_TIMES})
+    for error in errors:
+        yield problem("I012.value", error.place, hint=error.hint, problem=error.message)
+    ids = [entry.id for entry in monitor.config.config.EDDIInputs]
+    for binding, other in zip(monitor.inputs, rebound.inputs, strict=True):
+        if binding.expression != other.expression and not errors:
+            place = monitor.config.place("EDDIInputs", ids.index(binding.model.id))
+            reason = f"the messages have no such field for the input {binding.model.id}"
+            yield problem("I012.value", place, problem=reason)
 
 
 def _name_times_as_rospy(types: Mapping[str, Any]) -> None:

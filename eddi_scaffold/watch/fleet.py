@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from statistics import median
 
-from eddi_scaffold.common.claims import State, StatusReading
+from eddi_scaffold.common.claims import State, StatusReading, Verdict
 from eddi_scaffold.watch.messages import (
     DIAGNOSTICS,
     MAX_MONITORS,
@@ -32,15 +32,11 @@ _UNREADABLE = (AttributeError, TypeError, ValueError)
 
 
 @dataclass(frozen=True)
-class VerdictView:
-    """One guarantee, threshold or event."""
+class VerdictView(Verdict):
+    """One guarantee, threshold or event now; silence makes it unknown."""
 
-    id: str
-    state: State  # now; silence makes it unknown
-    reasons: tuple[str, ...]  # why it is not active
-    text: str  # further facts
-    since: float  # seconds, when it came into this state
-    seen: bool  # it was seen to change; else it may have been in this state for longer
+    since: float = 0.0  # seconds, when it came into this state
+    seen: bool = False  # it was seen to change; else it may have been in this state for longer
 
 
 @dataclass(frozen=True)
@@ -143,9 +139,9 @@ class _Monitor:
     def is_repeated_by(self, message: Message) -> bool:
         """Take a message that is the same object as the last one; else return False."""
         stream = self.streams.get(message.topic)
-        if stream is None or stream.content is not message.content or message.kept:
+        if stream is None or stream.content is not message.content:
             return False
-        if stream.silent or stream.kept is not None:
+        if message.kept or stream.silent or stream.kept is not None:
             return False
         stream.receive(message)
         return True
@@ -184,7 +180,6 @@ class FleetState:
         self._patience_s = patience_s
         self._monitors: dict[tuple[str, str], _Monitor] = {}
         self._reports: dict[str, dict[str, NodeReport]] = {}  # by node and model
-        self._reporting = 0
         self._changes: deque[Change] = deque(maxlen=_CHANGES)
         self._notes: dict[str, None] = {}
         self._changed = self._verdicts = 0
@@ -201,7 +196,8 @@ class FleetState:
             return []
         try:
             if message.type == DIAGNOSTICS:
-                self._take_reports(message)
+                for report in reports_of(message.content, message.t):
+                    self._take_report(report)
             if message.type not in status_messages():
                 return []
             known = status_messages()[message.type]
@@ -249,12 +245,9 @@ class FleetState:
         last = tuple(reversed(self._changes))
         return Snapshot(now, tuple(views), last, self._changed, tuple(self._notes))
 
-    def _take_reports(self, message: Message) -> None:
-        for report in reports_of(message.content, message.t):
-            if report.model not in self._reports.get(report.node, {}):
-                if self._reporting >= MAX_MONITORS:
-                    continue
-                self._reporting += 1
+    def _take_report(self, report: NodeReport) -> None:
+        is_new = report.model not in self._reports.get(report.node, {})
+        if not is_new or sum(map(len, self._reports.values())) < MAX_MONITORS:
             self._reports.setdefault(report.node, {})[report.model] = report
 
     def _new_monitor(self, message: Message, title: str) -> _Monitor | None:

@@ -8,7 +8,7 @@ import threading
 import time
 import zlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
 from http import HTTPStatus
@@ -21,7 +21,7 @@ from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
 from eddi_scaffold.diagrams.svg import drawn
-from eddi_scaffold.watch.fleet import MonitorView, RobotView, Snapshot
+from eddi_scaffold.watch.fleet import RobotView, Snapshot
 from eddi_scaffold.watch.following import CONTENT_TYPE, Clock, metrics_text
 from eddi_scaffold.watch.messages import MAX_VERDICTS
 
@@ -118,59 +118,49 @@ _LEGEND = (
     *(LegendEntry(state, "rounded", tone) for state, tone in TONES.items()),
     LegendEntry("what it lacks", "ellipse", "refused"),
 )
-Part = DiagramNode | DiagramEdge
 
 
 def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
     """Return the SVG of a robot's verdicts; of models not known here, what monitors say."""
     nodes, edges = [], []
     for number, monitor in enumerate(robot.monitors):
-        for part in _parts(f"m{number}", monitor, pictures.get((monitor.title, monitor.name))):
-            if isinstance(part, DiagramNode):
-                nodes.append(part)
-            else:
-                edges.append(part)
+        key, states = f"m{number}", {verdict.id: verdict.state for verdict in monitor.verdicts}
+        lines = (monitor.name, "silent" if monitor.silent else monitor.title)
+        nodes.append(DiagramNode(key, lines, "box", "neutral"))
+        edges += [DiagramEdge(f"{key} {id_}", key, arrow=False) for id_ in states]
+        lacking: dict[str, list[str]] = {}  # what is lacked -> the verdicts that lack it
+        for verdict in monitor.verdicts if not monitor.silent else ():
+            for reason in verdict.reasons:
+                lacking.setdefault(reason, []).append(verdict.id)
+        picture = pictures.get((monitor.title, monitor.name))
+        if picture is None or not states.keys() <= {node.id for node in picture.nodes}:
+            picture = _picture(states, lacking)  # no model, or one of another version
+        for node in picture.nodes:
+            head, *rest = node.lines
+            node_here = replace(node, id=f"{key} {node.id}")
+            if node.id in states:
+                state = states[node.id]
+                node_here = replace(node_here, lines=(head, state, *rest), tone=TONES[state])
+            elif node.id in lacking:
+                node_here = replace(node_here, lines=(head, "lacks", *rest), tone="refused")
+            nodes.append(node_here)
+        for edge in picture.edges:
+            edges.append(
+                replace(edge, source=f"{key} {edge.source}", target=f"{key} {edge.target}")
+            )
     text = "below a monitor its guarantees, below these what they rest on, or lack"
     return drawn(Diagram(robot.name, tuple(nodes), tuple(edges), "up", _LEGEND, text))
 
 
-def _parts(key: str, monitor: MonitorView, picture: Diagram | None) -> Iterator[Part]:
-    lines = (monitor.name, "silent" if monitor.silent else monitor.title)
-    yield DiagramNode(key, lines, "box", "neutral")
-    states = {verdict.id: verdict.state for verdict in monitor.verdicts}
-    for id_ in states:
-        yield DiagramEdge(f"{key} {id_}", key, arrow=False)
-    lacking: dict[str, list[str]] = {}
-    for verdict in monitor.verdicts if not monitor.silent else ():
-        for reason in verdict.reasons:
-            lacking.setdefault(reason, []).append(f"{key} {verdict.id}")
-    if picture is not None and states.keys() <= {node.id for node in picture.nodes}:
-        yield from _of_model(key, states, lacking, picture)
-        return
-    for id_, state in states.items():  # no picture, or one of another version
-        yield DiagramNode(f"{key} {id_}", (id_, state), "rounded", TONES[state])
+def _picture(verdicts: Iterable[str], lacking: Mapping[str, Sequence[str]]) -> Diagram:
+    """Return what a monitor says as the picture of a model."""
+    nodes = [DiagramNode(id_, (id_,), "rounded") for id_ in verdicts]
+    edges = []
     for reason, users in lacking.items():
-        lacks = f"{key} lacks {reason}"
-        yield DiagramNode(lacks, (reason, "lacks"), "ellipse", "refused")
-        for user in users:
-            yield DiagramEdge(lacks, user)
-
-
-def _of_model(
-    key: str, states: Mapping[str, State], lacking: Iterable[str], picture: Diagram
-) -> Iterator[Part]:
-    """Yield the picture of the model, with what the monitor says."""
-    for node in picture.nodes:
-        head, *rest = node.lines
-        node_here = replace(node, id=f"{key} {node.id}")
-        if node.id in states:
-            state = states[node.id]
-            node_here = replace(node_here, lines=(head, state, *rest), tone=TONES[state])
-        elif node.id in lacking:
-            node_here = replace(node_here, lines=(head, "lacks", *rest), tone="refused")
-        yield node_here
-    for edge in picture.edges:
-        yield replace(edge, source=f"{key} {edge.source}", target=f"{key} {edge.target}")
+        lacks = f"lacks {reason}"  # which may be called like a verdict
+        nodes.append(DiagramNode(lacks, (reason, "lacks"), "ellipse", "refused"))
+        edges += [DiagramEdge(lacks, user) for user in users]
+    return Diagram("", tuple(nodes), tuple(edges))
 
 
 STREAMS = 16  # at once; the other connections are for pages

@@ -1,6 +1,5 @@
 """Drafts: what is written for each kind of model, and what stays when a person has edited it."""
 
-import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -55,27 +54,6 @@ def content(text: str) -> Map:
     assert node is not None
     assert not problems
     return node
-
-
-def test_an_empty_file_becomes_a_whole_configuration() -> None:
-    text = written("", draft([WAY], [CLEAR]))
-    assert text.splitlines()[2:] == [
-        "Model:",
-        "  id: Rover",
-        "  type: ConSert",
-        "EDDIInputs:",
-        "  - id: WayIsClear",
-        (
-            "    # connect: taken, 42 points: std_msgs/Bool on /front/clear; clear in the name;"
-            " the only field of its message; no other candidate"
-        ),
-        "    requires: [clear]",
-        "    field: data",
-        "    max_age: TODO  # TODO seconds: no rate of /front/clear is known",
-        "EDDIOutputs:",
-        "  - id: rover",
-        "    topic: rover/guarantees",
-    ]
 
 
 def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
@@ -241,18 +219,6 @@ def test_the_inputs_of_a_chain_follow_from_what_is_observed(tmp_path: Path) -> N
     assert "  - id: rotors_ok\n    # connect: taken" in path.read_text("utf-8")
 
 
-def test_a_demand_takes_the_guarantee_that_fulfils_it(tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "examples" / "two-conserts", tmp_path, dirs_exist_ok=True)
-    words = ("connect", "two_conserts.xml", "--name", "ConSertA")
-    alone = run(*words, cwd=tmp_path)
-    assert "  - id: RtE_A_D0\n    # connect: a guarantee of another monitor; --with" in alone.out
-    both = run(*words, "--with", "consert_b_config.yml", cwd=tmp_path)
-    assert both.status == 0
-    taken = '    field: "guarantees[System_A_G0_c2].active"\n'
-    assert f"{taken}  - id" in both.out  # without max_age: a monitor's message has its own
-    assert "    type: eddi_messages.ConSertOutput\n    topic: consertb/guarantees\n" in both.out
-
-
 def test_evidence_of_another_name_is_left_to_a_person(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples" / "warehouse-robot", tmp_path, dirs_exist_ok=True)
     others = (f"{one}_config.yml" for one in ("lidar", "power", "localisation", "people"))
@@ -326,27 +292,6 @@ def test_an_input_that_is_a_state_gets_a_condition_for_each(tmp_path: Path) -> N
     kept = (tmp_path / "draft.yml").read_text("utf-8")
     assert "    NotDriving: odometry.data == 0  # TODO" in kept
     assert "    range_0_to_2_kmh: TODO  # TODO" in kept
-
-
-@pytest.mark.parametrize(
-    ("qos", "line"),
-    [
-        ('deadline: "100 ms"', "0.25  # 2.5 deadlines of 0.1 s in its quality of service"),
-        ("deadline: 0.2 s", "0.5  # 2.5 deadlines of 0.2 s in its quality of service"),
-        ("deadline: infinite", "TODO  # TODO seconds: no rate of /front/clear is known"),
-        ("deadline: 100", "TODO  # TODO seconds: no rate of /front/clear is known"),
-        ("depth: 3", "TODO  # TODO seconds: no rate of /front/clear is known"),
-    ],
-)
-def test_a_deadline_of_the_models_gives_an_age(qos: str, line: str, tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "examples" / "robot-models", tmp_path, dirs_exist_ok=True)
-    node = tmp_path / "nodes" / "laser_driver.ros1"
-    block = rf"\g<0>\1qos:\n\1  {qos}\n"
-    text = re.sub(r"( +)type: std_msgs/msg/Bool\n", block, node.read_text("utf-8"))
-    node.write_text(text, "utf-8")
-    assert connect(tmp_path, "Rover.yml").status == 0
-    drafted = (tmp_path / "draft.yml").read_text("utf-8")
-    assert f"    field: data\n    max_age: {line}\n" in drafted
 
 
 @pytest.mark.parametrize(

@@ -36,15 +36,9 @@ def decided(need: InputNeed, offers: list[Fulfilment] | None = None) -> Decision
     [
         ("Speed", "float", "m/s", "odom", "field", "twist.twist.linear.x", None),
         ("YawRate", "float", "deg/s", "odom", "field", "twist.twist.angular.z", "rad/s"),
-        ("AngularSpeed", "float", "rad/s", "odom", "field", "twist.twist.angular.z", None),
-        ("RearClearance", "float", "m", "scan_rear", "expression", "MIN(", None),
         ("GripperClosed", "bool", None, "gripper_closed", "field", "data", None),
-        ("FrontStandby", "bool", None, "front_standby", "field", "data", None),
         ("BatteryCharge", "float", "percent", "battery", "field", "percentage", "fraction"),
-        ("battery_level", "float", "percent", "battery", "field", "percentage", "fraction"),
-        ("MotorTemperature", "float", "degC", "temperature", "field", "temperature", None),
         ("CameraFeatures", "float[]", None, "features", "field", "data", None),
-        ("BatteryPresent", "bool", None, "battery", "field", "present", None),
     ],
 )
 def test_what_is_clear_is_taken(
@@ -100,13 +94,6 @@ def test_the_nearest_miss_is_named(need: InputNeed, topic: str, why: str) -> Non
     missed = decision.missed
     assert missed is not None
     assert (missed.topic.id, missed.reasons) == (topic, (why,))
-
-
-def test_the_nearest_thing_is_the_least_range_of_the_only_scanner() -> None:
-    topics = [one for one in TOPICS if one.id != "scan_rear"]
-    (decision,) = decide([InputNeed("nearest", "float", unit="m")], topics, known_messages().get)
-    assert decision.state == "taken"
-    assert decision.candidates[0].access.text == "MIN(scan_front.ranges[*], COVERAGE 0.9)"
 
 
 def test_claims_of_other_names_are_listed_only_where_none_is_like_the_input() -> None:

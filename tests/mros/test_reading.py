@@ -223,27 +223,17 @@ def test_models(text: str, tree: str) -> None:
     [
         (SYSTEM, "RosComponentStacks (", "RosComponentStacks s", "expected '(' or '{'"),
         (SYSTEM, "QualityAttributes {", "QualityAttributes high {", "expected '{', found 'high'"),
-        (SYSTEM, "SafetyLevel high", "Safety high", "expected 'SafetyLevel'"),
         (SYSTEM, "[ c ]", "[ c }", "']' (it closes the '[' of line 16, column 33), found '}'"),
         (SYSTEM, "RosParameter r {", "Parameter r {", "expected 'RosParameter' or '}'"),
-        (SYSTEM, "RosClient go", "RosKlient go", "expected 'RosActionClient' or '}'"),
-        (SYSTEM, "ServiceConnection {", "Connection {", "expected 'ServiceConnection' or '}'"),
         (SYSTEM, "value 3 [", "value 3 ) [", "(it closes the '{' of line 2, column 26), found ')'"),
-        (SYSTEM, "Name robot", "Name {", "expected the name of the system"),
-        (MODEL, "ServiceServer {", "Server {", "expected 'ServiceServer' or '}'"),
-        (MODEL, "Parameter { name k", "Param { name k", "expected 'Parameter' or '}'"),
         (MODEL, "bool[] ok", "bool[ ok", "expected ']'"),
-        (MODEL, "node Node", "node Nod", "expected"),
         (MODEL, "default { 3 }", "default { '3", "never closed"),
         (INDENT_MODEL, "type: p/action/Go", "type:", "expected the type of 'go' behind 'type:'"),
         (INDENT_MODEL, "type: p/action/Go", "", "the interface 'go' has no 'type:'"),
         (INDENT_MODEL, "      request\n", "      question\n", "expected message, request"),
         (INDENT_MODEL, "uint8[4] raw", "uint8[4 raw", "this '[' is never closed"),
-        (INDENT_MODEL, "uint8[4] raw", "uint8[4 5] raw", "expected ']'"),
         (INDENT_MODEL, "flags: [bool]", "flags: [bool", "this '[' is never closed"),
-        (INDENT_MODEL, "flags: [bool]", "flags: [bool x]", "expected ']'"),
         (INDENT_MODEL, "int8 N= 3", "int8 N=", "expected the value of N, found end of line"),
-        (INDENT_MODEL, '"git@x"', '"git@x" [', "this '[' is never closed"),
         (INDENT_SYSTEM, "  base:", "  base", "the name of a node followed by :, found 'base'"),
         (INDENT_SYSTEM, '"p.base"', '"p.\nbase"', "ends on its line: this quote is not closed"),
         (INDENT_SYSTEM, 'fromPub: "p.x.n.s"', "", "and a reference behind 'old:'"),
@@ -255,36 +245,6 @@ def test_what_is_refused(text: str, old: str, new: str, message: str) -> None:
     with pytest.raises(MrosSyntaxError) as refused:
         reader(text.replace(old, new, 1))
     assert message in refused.value.message
-
-
-def test_a_tab_counts_eight_columns() -> None:
-    text = "demo:\n\tnodes:\n\t\ta:\n                  from: 'p.n'\n"
-    assert read_rossystem(text).components[0].from_node == "p.n"
-    with pytest.raises(MrosSyntaxError, match="indentation of 12"):
-        read_rossystem("demo:\n\tnodes:\n\t\ta:\n\t\t\tfrom: 'p.n'\n            b:\n")
-
-
-def test_unknown_keys_are_warnings_and_misspelt_ones_errors() -> None:
-    system = read_rossystem("demo:\n  colour: red\n  node:\n    a:\n      from: 'p.n'\n")
-    assert system.components == ()
-    unknown, misspelt = system.problems
-    assert (unknown.case, unknown.place.line) == ("M005.unknown_key", 2)
-    assert (misspelt.case, misspelt.place.line) == ("M006.misspelt", 3)
-    assert "did you mean 'nodes'?" in misspelt.message
-
-
-@pytest.mark.parametrize(
-    ("text", "case", "why"),
-    [
-        ('<?xml version="1.0"?><x/>', "M001.foreign", "xmi"),
-        ("---\nmy:\n  systems:\n    a:\n", "M001.foreign", "rossdl"),
-        ("  // nothing\n/* at all */ # here\n", "M001.empty", ""),
-    ],
-)
-def test_what_is_something_else_is_named(text: str, case: str, why: str) -> None:
-    with pytest.raises(MrosSyntaxError) as refused:
-        read_rossystem(text)
-    assert (refused.value.case, refused.value.format) == (case, why)
 
 
 def test_bytes_that_are_no_text() -> None:

@@ -17,7 +17,6 @@ from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
 from eddi_scaffold.recordings.node import Publications, blank
 from eddi_scaffold.recordings.playing import PlayedMonitor, of_messages, play, step_rule
-from tests.recordings.full_form import full_form
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
 CASES = {
@@ -30,8 +29,7 @@ VALUES: Mapping[State, str] = {"active": "true", "not active": "false", "unknown
 def test_values(name: str, tmp_path: Path) -> None:
     case = CASES[name]
     for file, text in case["files"].items():
-        written = full_form(text) if text.startswith("evidence:") else text
-        (tmp_path / file).write_text(written, encoding="utf-8")
+        (tmp_path / file).write_text(text, encoding="utf-8")
     monitors, _ = monitors_of(None, [tmp_path / one for one in case["configurations"]])
     parts = of_messages(monitors, [step_rule(one) for one in monitors])
     by_name = {one.id: one for one in monitors}

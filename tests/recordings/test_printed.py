@@ -51,15 +51,3 @@ def test_json_tells_an_infinite_number_from_one_that_is_not_known(tmp_path: Path
         json.loads(line)["inputs"] for line in run("run", *words, cwd=EXAMPLES).out.splitlines()
     ]
     assert [list(row.values()) for row in rows] == [["inf", "-inf"], [None, None]]
-
-
-def test_a_line_is_printed_when_and_only_when_a_verdict_changes() -> None:
-    rows = list(csv.DictReader(printed("consert", "--csv").splitlines()))
-    names = [name for name in rows[0] if name != "t"]
-    verdicts = [tuple(row[name] for name in names) for row in rows]
-    changed = [
-        f"{float(row['t']):.3f}"
-        for before, now, row in zip([(), *verdicts], verdicts, rows, strict=False)
-        if before != now
-    ]
-    assert [line.split()[0] for line in printed("consert").splitlines()] == changed

@@ -63,25 +63,6 @@ def test_a_configuration_that_names_its_model_is_enough(tmp_path: Path, words: l
     assert done.stdout.splitlines()[1].startswith("0.0,0.632")
 
 
-def test_the_reason_of_a_result_that_is_not_valid_is_told(tmp_path: Path) -> None:
-    (tmp_path / "small.yml").write_text(f"max_gap: 2 s{SMALL}")
-    (tmp_path / "r.csv").write_text("t,ok\n0,true\n1,true\n5,true\n6,true\n7,nan\n10,nan\n")
-    done = run("small.yml", "--inputs", "r.csv", folder=tmp_path)
-    ends = [line.partition("valid ")[2].split("  ", 1) for line in done.stdout.splitlines()]
-    assert [part[-1].strip() for part in ends] == [
-        "active",
-        "not valid: gap",
-        "active",
-        "waits for ok",
-        "not valid: gap  waits for ok",
-    ]
-    table = run("small.yml", "--inputs", "r.csv", "--csv", folder=tmp_path).stdout.splitlines()
-    assert table[0].endswith(",valid,reason,unknown")
-    assert [",".join(line.split(",")[-2:]) for line in table[1:]] == [
-        ",", ",", "gap,", ",", "unknown inputs,ok", "gap,ok",
-    ]  # fmt: skip
-
-
 def test_what_was_missed_and_still_counts_is_told(tmp_path: Path) -> None:
     (tmp_path / "small.yml").write_text(SMALL.replace(", dead: not ok", ""))
     (tmp_path / "r.csv").write_text("t,ok\n0,true\n1,nan\n2,true\n3,true\n")

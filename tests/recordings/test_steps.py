@@ -2,7 +2,7 @@
 
 import pytest
 
-from eddi_scaffold.recordings.playing import ROWS, StepRule, Steps
+from eddi_scaffold.recordings.playing import StepRule, Steps
 
 SECOND = 1_000_000_000
 
@@ -49,10 +49,6 @@ def test_on_change_steps_at_rows_by_period_and_when_an_age_ends() -> None:
     slow = StepRule(1000, on_change=True)
     rows = [(0, "a"), (10, "b"), (30, "a"), (250, "b")]
     assert times(slow, rows, {"a": [40], "b": [200, 500]}) == [0, 10, 30, 71, 211, 250]
-
-
-def test_rows_alone_are_steps_where_that_is_asked_for() -> None:
-    assert times(ROWS, [(3, "a"), (5, "b"), (900, "a")], {"a": [1]}, start=3) == [3, 5, 900]
 
 
 @pytest.mark.parametrize("mode", ["rate", "on_change"])

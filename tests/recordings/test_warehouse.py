@@ -32,6 +32,13 @@ def played(folder: Path, bag: Path) -> str:
     return result.out
 
 
+def messages(path: Path) -> list[tuple[str, int, bytes]]:
+    from rosbags.rosbag1 import Reader
+
+    with Reader(path) as bag:
+        return [(channel.topic, t, bytes(data)) for channel, t, data in bag.messages()]
+
+
 def test_the_picture_is_of_the_recording(tmp_path: Path) -> None:
     out = played(tmp_path, ROBOT / "shift.bag")
     assert "    12.300  lidar: PathClear unknown   waits for nearest\n" in out
@@ -41,7 +48,7 @@ def test_the_picture_is_of_the_recording(tmp_path: Path) -> None:
 def test_the_recording_is_what_the_script_writes(tmp_path: Path, script: ModuleType) -> None:
     script.write_bag(tmp_path / "shift.bag")
     script.write_reference(tmp_path / "reference_sample.csv")
-    assert played(tmp_path, tmp_path / "shift.bag") == played(tmp_path, ROBOT / "shift.bag")
+    assert messages(tmp_path / "shift.bag") == messages(ROBOT / "shift.bag")
     written = (tmp_path / "reference_sample.csv").read_bytes()
     assert written == (ROBOT / "reference_sample.csv").read_bytes()
 

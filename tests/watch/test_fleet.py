@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from eddi_scaffold.watch import fleet, messages
 from eddi_scaffold.watch.fleet import Change, FleetState, MonitorView
 from eddi_scaffold.watch.messages import Message, requested_robots, status_messages
-from tests.watch.recorded import warehouse
 
 CONSERT = "eddi_messages/ConSertStatus"
 FALSE, UNKNOWN, TRUE = 0, 1, 2
@@ -187,27 +186,6 @@ def test_nothing_is_active_unless_a_message_said_so_in_time(
         if "active" in shown:
             assert said == TRUE
             assert t - fresh <= longest
-
-
-def test_every_kind_says_what_it_publishes() -> None:
-    state = FleetState()
-    last = 0.0
-    for one in warehouse():
-        if one.t > 20.0:
-            break
-        state.look(one.t)
-        state.take(Message(f"/r1{one.topic}", one.type, one.content, one.t, f"/r1/{one.node}"))
-        last = one.t
-    (robot,) = state.snapshot(last).robots
-    found = {m.title: {one.id: one.state for one in m.verdicts} for m in robot.monitors}
-    assert found == {
-        "Event": {"PathClear": "active"},
-        "Bayesian network": {"PoseIsGood": "active", "valid": "active"},
-        "SafeML": {"in_scope": "active"},
-        "Reliability": {"valid": "active", "LastsTheShift": "active"},
-        "ConSert": {"FullSpeed": "active", "WalkingPace": "active", "StandStill": "active"},
-    }
-    assert {one.type for one in warehouse()} >= status_messages().keys()
 
 
 def test_monitors_of_one_process_have_names_and_reports_of_their_own() -> None:

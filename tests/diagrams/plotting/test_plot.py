@@ -6,43 +6,13 @@ from xml.etree import ElementTree as ET
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.diagrams.plot import Track, plot, stretches, tracks_of
+from eddi_scaffold.diagrams.plot import Track, plot, tracks_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def track(*values: object, name: str = "G0") -> Track:
     return tracks_of("outputs", [(float(t), {name: v}) for t, v in enumerate(values)])[0]
-
-
-def bands(svg: str) -> list[str]:
-    root = ET.fromstring(svg)
-    return [title.text or "" for rect in root.iter(f"{SVG}rect") for title in rect]
-
-
-def test_a_value_holds_until_the_next_one() -> None:
-    assert stretches(track(True, True, None, False), 4.0) == [
-        (0.0, 2.0, True),
-        (2.0, 3.0, None),
-        (3.0, 4.0, False),
-    ]
-
-
-def test_truth_values_are_bands_that_say_what_they_are() -> None:
-    assert bands(plot("ConSert A", [track(True, False, None, None)])) == [
-        "active or true: 0 s to 1 s",
-        "inactive or false: 1 s to 2 s",
-        "unknown: 2 s to 4 s",
-    ]
-
-
-def test_numbers_are_a_line_of_steps_that_breaks_where_they_are_unknown() -> None:
-    root = ET.fromstring(plot("speed", [track(0.0, 2.0, math.nan, 1.0, 1.0)]))
-    (line,) = root.iter(f"{SVG}path")
-    assert line.attrib["d"].count("M") == 2
-    texts = [text.text for text in root.iter(f"{SVG}text")]
-    assert {"0", "2"} <= set(texts)
-    assert "unknown" in [title.text for title in root.iter(f"{SVG}title")]
 
 
 def levels(svg: str) -> list[float]:
