@@ -1,6 +1,6 @@
 """Random deployments: nothing good is claimed because something is silent.
 
-Each run looks at 400 deployments, `--hypothesis-profile=long` at 100,000, always the same ones.
+Each run looks at 200 deployments, `--hypothesis-profile=long` at 100,000, always the same ones.
 `pytest -rA` prints what was counted.
 """
 
@@ -69,9 +69,9 @@ def _row(instance: Instance) -> dict[str, Any]:
     return {**row, "delay": delay} if delay else row
 
 
-SIZE = 200
+SIZE = 100
 """Deployments of one test."""
-SHARDS = 500 if settings.default.max_examples > 1000 else 2
+SHARDS = 1000 if settings.default.max_examples > 1000 else 2
 FAULTS = (*BAD, *UNSOUND, "cycle", *RUNTIME)
 PATIENCE = 60
 """Deployments with a fault of which one at least must be found."""
