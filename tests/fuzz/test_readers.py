@@ -17,7 +17,7 @@ from tests.fuzz.readers import NAMES, readers
 pytestmark = pytest.mark.slow
 
 LONG = settings.default.max_examples >= 1000
-COUNT, PARTS = (10_000, 10) if LONG else (100, 1)
+COUNT, PARTS = (10_000, 10) if LONG else (50, 1)
 LIMIT = 1.0 if LONG else 10.0
 """Processor seconds for one step of a command; a hang is looked for, not slowness."""
 SEED = os.environ.get("EDDI_FUZZ_SEED", "1")
