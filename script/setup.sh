@@ -58,7 +58,9 @@ WANTED="$(cat pyproject.toml) $BASE_PYTHON $PWD"
 if [ ! -x .venv/bin/python ] || [ "$(cat "$STAMP" 2>/dev/null)" != "$WANTED" ]; then
   echo "installing eddi-scaffold into .venv ..." >&2
   "$BASE_PYTHON" -m venv --clear .venv
-  .venv/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[${EXTRAS:-dev}]" 2>&1 | { grep -v '^WARNING: Location' || true; }
+  # Bytecode by two processes and not by pip alone; that of tests and of what is not imported, never.
+  .venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --editable ".[${EXTRAS:-dev}]" 2>&1 | { grep -v '^WARNING: Location' || true; }
+  .venv/bin/python -m compileall -q -j 2 -x '/(tests?|lexers|locale|mypyc?|huggingface_hub)/' .venv/lib || true
   printf '%s' "$WANTED" >"$STAMP"
 fi
 PYTHON=$PWD/.venv/bin/python

@@ -1,6 +1,6 @@
 """Random deployments: nothing good is claimed because something is silent.
 
-Each run looks at 400 deployments, `--hypothesis-profile=long` at 100,000, always the same ones.
+Each run looks at 200 deployments, `--hypothesis-profile=long` at 100,000, always the same ones.
 """
 
 from collections.abc import Iterator, Mapping
@@ -66,9 +66,9 @@ def _row(instance: Instance) -> dict[str, Any]:
     return {**row, "delay": delay} if delay else row
 
 
-SIZE = 200
+SIZE = 100
 """Deployments of one test."""
-SHARDS = 500 if settings.default.max_examples > 1000 else 2
+SHARDS = 1000 if settings.default.max_examples > 1000 else 2
 FAULTS = (*BAD, *UNSOUND, "cycle", *RUNTIME)
 PATIENCE = 60
 """Deployments with a fault of which one at least must be found."""
@@ -112,7 +112,7 @@ def test_each_fault_is_found(fault: str) -> None:
 @pytest.mark.parametrize("reading", INVERTED)
 def test_what_is_read_inverted_is_no_fault(reading: str) -> None:
     """Nothing comes of silence, also where `check` does not know who publishes it."""
-    for number in range(PATIENCE):
+    for number in range(PATIENCE // 3):
         rng = Random(f"{reading} {number}")
         check = Check(faulty(reading, rng), rng)
         assert check.violation() is None, number

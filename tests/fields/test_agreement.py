@@ -10,7 +10,7 @@ import pytest
 from tests.contract.stages import why_no_dds
 from tests.fields import table
 from tests.ros1.world import PYTHON, RUNTIME, demand, make_messages, why_no_ros
-from tests.ros2.world import RELEASE, shared
+from tests.ros2.world import RELEASE
 
 pytestmark = [pytest.mark.slow, pytest.mark.ros]
 
@@ -32,9 +32,9 @@ def printed(python, on, env):
 
 
 @pytest.fixture(scope="module")
-def ros2(tmp_path_factory):
+def ros2():
     RELEASE.demand()
-    return printed(RELEASE.python, "ros2", RELEASE.workspace(shared(tmp_path_factory)))
+    return printed(RELEASE.python, "ros2", RELEASE.fields())
 
 
 @pytest.fixture(scope="module")

@@ -65,21 +65,6 @@ def _guarantees(n: int) -> str:
     )
 
 
-def _one_gate(n: int) -> str:
-    own = "//@odeProductPackages.0/@conSerts.0/"
-    return _consert(
-        _each(
-            f'<guaranteePropagation source="{own}@runtimeEvidence.#"'
-            f' target="{own}@consertGates.0"/>\n',
-            n,
-        )
-        + f'<guaranteePropagation source="{own}@consertGates.0" target="{own}@guarantees.0"/>\n'
-        + f'<guarantees name="G">{_DIMENSION}</guarantees>\n'
-        + _each(f'<runtimeEvidence name="E#">{_DIMENSION}</runtimeEvidence>\n', n)
-        + '<consertGates name="A" gateType="AND"/>\n'
-    )
-
-
 def _chain_of_gates(n: int) -> str:
     own = "//@odeProductPackages.0/@conSerts.0/"
     edge = f'<guaranteePropagation source="{own}@consertGates.#" target="{own}@consertGates.%"/>\n'
@@ -99,40 +84,26 @@ def _reference(text: str) -> str:
 
 _XML = {
     "guarantees": _guarantees,
-    "inputs of one gate": _one_gate,
     "chain of gates": _chain_of_gates,
     "ConSerts": lambda n: XML_HEAD + _each('<conSerts name="C#"/>\n', n) + XML_TAIL,
-    "ConSerts of one name": lambda n: XML_HEAD + '<conSerts name="C"/>\n' * n + XML_TAIL,
     "one long reference": lambda n: _reference("//@odeProductPackages.0" + "/@conSerts.0" * n),
-    "one long wrong reference": lambda n: _reference("/" + "@a." * n),
     "references that end nowhere": lambda n: _consert(
         _each('<guaranteePropagation source="//@nothing.#" target="//@conSert.#"/>\n', n)
     ),
     "one list of references": lambda n: _reference(" ".join(["//@odeProductPackages.0"] * n)),
     "deep elements": lambda n: XML_HEAD + "<a>" * n + "</a>" * n + XML_TAIL,
     "unknown elements": lambda n: _consert(_each("<conSertGate#/>\n", n)),
-    "unknown attributes": lambda n: _consert(
-        _each(f'<guarantees naem#="x">{_DIMENSION}</guarantees>\n', n)
-    ),
     "attributes of one element": lambda n: _consert("<guarantees " + _each('a#="x" ', n) + "/>"),
     "namespaces": lambda n: _consert("<guarantees " + _each('xmlns:a#="x#" ', n) + "/>"),
-    "guarantees of one name": lambda n: _consert(
-        f'<guarantees name="G">{_DIMENSION}</guarantees>\n' * n
-    ),
-    "unknown types": lambda n: _consert(_each('<guarantees xsi:type="consert_:Garantee#"/>\n', n)),
     "a long name": lambda n: _consert(
         f'<guarantees name="{"a-" * 10 * n}">{_DIMENSION}</guarantees>'
     ),
-    "comments": lambda n: _consert("<!-- a -->\n" * n),
     "events in a map": lambda n: _consert(
         _map("events", _each('<values tag="EVENT" value="e# (HAZARD) := x# > 1"/>\n', n))
     ),
     "maps": lambda n: _consert(
         _each(_map("events", '<values tag="EVENT" value="e (HAZARD) := x > 1"/>', "m#"), n)
         + _each(_map("monitored_by", '<values tag="event" value="m#/e"/>', ""), n)
-    ),
-    "maps of the wrong names": lambda n: _consert(
-        _each(_map("monitored_by", '<values tag="event" value="m#/e"/>', ""), n)
     ),
     "hazards": lambda n: _around(
         _each(
@@ -159,12 +130,6 @@ _CONSERT = {
     "guarantees": lambda n: _yaml(
         _each(_G, n), _each(_E, n), "", _each("  - {from: E#, to: G#}\n", n)
     ),
-    "inputs of one gate": lambda n: _yaml(
-        _each(_G, 1),
-        _each(_E, n),
-        "  - {id: A, function: And}\n",
-        _each("  - {from: E#, to: A}\n", n) + "  - {from: A, to: G0}\n",
-    ),
     "chain of gates": lambda n: _yaml(
         _each(_G, 1),
         _each(_E, 1),
@@ -176,28 +141,16 @@ _CONSERT = {
         _each(_G, n), _each(_E, n), "", _each("  - {from: EE#, to: GG#}\n", n)
     ),
     "unknown keys": lambda n: _yaml(_each(_G, 1)) + _each("key#: 1\n", n),
-    "unknown keys inside": lambda n: _yaml(f"  - {{id: G, {_each('descripton#: a, ', n)}}}\n"),
     "the same key": lambda n: _yaml(_each(_G, 1)) + "evidence: []\n" * n,
-    "ids of one name": lambda n: _yaml(_each("  - {id: G, dimensions: []}\n", n)),
-    "dimensions": lambda n: _yaml(
-        f"  - {{id: G, dimensions: [{', '.join(['{Binary: {type: T}}'] * n)}]}}\n"
-    ),
-    "categories": lambda n: _yaml(
-        "  - {id: G, dimensions: [{Categorical: {type: T, covered: ["
-        + _each("c#, ", n) + "], subset: Demand}}]}\n"
-    ),
     "ranges": lambda n: _yaml(
         "  - {id: G, dimensions: [{Numeric: {type: T, covered: ["
         + _each("{Inclusive: {start: #, end: #.5}}, ", n) + "], subset: Demand, uom: m}}]}\n"
     ),
     "deep brackets": lambda n: "[" * n,
     "aliases": lambda n: "a: &a [x]\nb: [" + "*a, " * n + "]\n",
-    "anchors": lambda n: _each("k#: &a# x\n", n),
     "doubling aliases": lambda n: "a0: &a0 [x]\n" + _each("a%: &a% [*a#, *a#]\n", n),
     "a folded text": lambda n: _yaml("  - id: G\n    description: >\n" + "      a\n\n" * n),
-    "a quoted text": lambda n: _yaml('  - {id: "' + "\\\\x41" * n + '"}\n'),
     "open quotes": lambda n: "'" * n,
-    "documents": lambda n: "---\n" * n,
 }  # fmt: skip
 
 # Bayesian networks
@@ -211,14 +164,6 @@ _STATES = '<state id="a"/><state id="b"/>'
 _ROOT = "<probabilities>0.5 0.5</probabilities></cpt>\n"
 _XDSL = {
     "nodes": lambda n: _xdsl(_each(f'<cpt id="n#">{_STATES}{_ROOT}', n)),
-    "chain": lambda n: _xdsl(
-        f'<cpt id="n0">{_STATES}{_ROOT}'
-        + _each(
-            f'<cpt id="n%">{_STATES}<parents>n#</parents>'
-            "<probabilities>0.5 0.5 0.5 0.5</probabilities></cpt>\n",
-            n - 1,
-        )
-    ),
     "children of one node": lambda n: _xdsl(
         f'<cpt id="r">{_STATES}{_ROOT}'
         + _each(
@@ -240,16 +185,12 @@ _XDSL = {
         _each(f'<cpt id="node#">{_STATES}{_ROOT}', n)
         + _each(f'<cpt id="x#">{_STATES}<parents>nod#</parents>{_ROOT}', n)
     ),
-    "nodes of one name": lambda n: _xdsl(f'<cpt id="n">{_STATES}{_ROOT}' * n),
     "a cycle": lambda n: _xdsl(
         _each(
             f'<cpt id="n#">{_STATES}<parents>n%</parents>'
             "<probabilities>0.5 0.5 0.5 0.5</probabilities></cpt>\n",
             n,
         )
-    ),
-    "a text of numbers": lambda n: _xdsl(
-        f'<cpt id="n">{_STATES}<probabilities>{"0.5 " * n}</probabilities></cpt>\n'
     ),
 }
 
@@ -268,13 +209,7 @@ _BIF = {
         + _each("(stat#) 0.5 0.5;\n", n)
         + "}\n"
     ),
-    "definitions of nothing": lambda n: (
-        _each(_BIF_ROOT, n) + _each("probability (m#) {table 0.5 0.5;}\n", n)
-    ),
-    "properties": lambda n: "network x {\n" + "property x = 1;\n" * n + "}\n",
     "open comments": lambda n: "network x { property " + "/* " * n,
-    "comments": lambda n: "/* a */ // b\n" * n,
-    "quotes": lambda n: '"a" ' * n,
     "numbers": lambda n: f"probability (c) {{table {'0.5 ' * n};}}\n",
 }
 
@@ -300,18 +235,8 @@ _CONFIG = {
         f"SimulatorOutputs:\n{_each(_OUTPUT, n)}",
     ),
     "unknown keys": lambda n: _inputs("") + _each("Key#: 1\n", n),
-    "unknown keys of an input": lambda n: _inputs(f"  - {{id: a, {_each('requirs#: x, ', n)}}}\n"),
-    "inputs of one name": lambda n: _inputs("  - {id: RtE_A_E0, requires: [o]}\n" * n),
-    "bad types": lambda n: _inputs(_each("  - {id: i#, type: bol, requires: [o]}\n", n)),
     "a long field": lambda n: _inputs(
         f"  - {{id: RtE_A_E0, requires: [o], field: data{'.x' * n}}}\n"
-    ),
-    "a long expression": lambda n: _inputs(
-        f"  - {{id: RtE_A_E0, requires: [o], expression: 'o.data{' AND o.data' * n}'}}\n"
-    ),
-    "a folded expression": lambda n: _inputs(
-        "  - id: RtE_A_E0\n    requires: [o]\n    expression: >\n      o.data\n"
-        + "      AND o.dta\n" * n
     ),
     "expressions": lambda n: _inputs(
         _each("  - {id: i#, requires: [o], expression: 'NOT o.data'}\n", n)
@@ -321,10 +246,6 @@ _CONFIG = {
     ),
     "comments in the block": lambda n: f"{_MODEL}SimulatorOutputs:\n" + _each(
         "  # about #\n  - {id: output#, type: std_msgs.Bool, topic: /o#}\n", n
-    ),
-    "outputs": lambda n: _inputs("", f"SimulatorOutputs:\n{_each(_OUTPUT, n)}"),
-    "a long topic": lambda n: _inputs(
-        "", f"SimulatorOutputs:\n  - {{id: o, type: std_msgs.Bool, topic: {'/a' * n}}}\n"
     ),
 }  # fmt: skip
 _CONFIG_EVENT = {
@@ -350,12 +271,6 @@ _RELIABILITY = {
         + _each("      G#: {type: OR, of: [A#, B#]}\n", n)
         + "    events:\n" + _each("      A#: {p: 1e-6}\n      B#: {p: 1e-6}\n", n)
     ),
-    "bounds of pairs": lambda n: (
-        f"{_TREE}      T: {{type: AND, of: [{_each('G#, ', n)}]}}\n"
-        + _each("      G#: {type: OR, of: [A#, B#]}\n", n)
-        + "    approximation: cut_sets\n"
-        + "    events:\n" + _each("      A#: {p: 1e-6}\n      B#: {p: 1e-6}\n", n)
-    ),
     "misspelt events": lambda n: (
         f"{_TREE}      T: {{type: OR, of: [{_each('Evnt#, ', n)}]}}\n    events:\n"
         + _each("      Event#: {p: 1e-6}\n", n)
@@ -364,9 +279,6 @@ _RELIABILITY = {
         _HEAD + _each("  m#: {type: k_out_of_n, k: 2, n: 3, rate: 1e-3 1/h}\n", n)
         + f"  s: {{type: series, of: [{_each('m#, ', n)}]}}\ntop: s\n"
     ),
-    "models that nobody uses": lambda n: (
-        _HEAD + _each("  m#: {type: k_out_of_n, k: 2, n: 3, rate: 1e-3 1/h}\n", n)
-    ),
     "chain of series": lambda n: (
         _HEAD + _each("  m#: {type: series, of: [m%]}\n", n)
         + f"  m{n}: {{type: k_out_of_n, k: 2, n: 3, rate: 1e-3 1/h}}\ntop: m0\n"
@@ -374,11 +286,6 @@ _RELIABILITY = {
     "states": lambda n: (
         f"{_HEAD}  c: {{type: markov, initial: s0, fail: s{n}, arcs: ["
         + _each("{from: s#, to: s%, rate: 1e-3 1/h}, ", n) + "]}\n"
-    ),
-    "unknown keys": lambda n: f"{_HEAD}  m: {{type: k_out_of_n}}\n" + _each("horizn#: 1\n", n),
-    "thresholds": lambda n: (
-        f"{_HEAD}  m: {{type: k_out_of_n, k: 2, n: 3, rate: 1e-3 1/h}}\nthresholds:\n"
-        + _each("  - {id: t#, activate: 1e-3}\n", n)
     ),
 }  # fmt: skip
 
@@ -416,15 +323,10 @@ _MEF = {
         + _each('<define-basic-event name="e#"><parameter name="p"/></define-basic-event>\n', n)
         + _mef_or(n)
     ),
-    "components": lambda n: _mef(
-        _each('<define-component name="c#"><define-gate name="g"><event name="a"/></define-gate>'
-              "</define-component>\n", n) + _MEF_EVENT.format("a")
-    ),
     "deep formulas": lambda n: _mef(
         f'<define-gate name="G">{"<not>" * n}<event name="a"/>{"</not>" * n}</define-gate>\n'
         + _MEF_EVENT.format("a")
     ),
-    "what is not read": lambda n: _mef(_each('<define-rule name="r#"/>\n', n)),
 }  # fmt: skip
 
 # events
@@ -437,22 +339,16 @@ _EVENTS = {
     "variables": lambda n: (
         _each("VAR v# : BOOL TIMEOUT 1s\n", n) + "EVENT e := v0" + _each(" AND v#", n) + "\n"
     ),
-    "unused variables": lambda n: _each("VAR v# : BOOL TIMEOUT 1s\n", n) + "EVENT e := v0\n",
     "misspelt variables": lambda n: (
         _each("VAR value# : BOOL TIMEOUT 1s\n", n) + _each("EVENT e# := valu#\n", n)
     ),
     "misspelt functions": lambda n: "VAR x : NUMBER\nEVENT e := TRUE" + " AND AVERGE(x) > 1" * n,
     "wrong characters": lambda n: "EVENT e := TRUE" + "?" * n,
     "a long sum": lambda n: "VAR x : NUMBER TIMEOUT 1s\nEVENT e := x" + " + x" * n + " > 1\n",
-    "a long condition": lambda n: "VAR x : BOOL TIMEOUT 1s\nEVENT e := x" + " AND x" * n + "\n",
     "deep parentheses": lambda n: f"EVENT e := {'(' * n}TRUE{')' * n}\n",
     "many NOT": lambda n: f"EVENT e := {'NOT ' * n}TRUE\n",
-    "many minus": lambda n: f"EVENT e := {'-' * n}1 > 0\n",
-    "a long path": lambda n: f"EVENT e := a{'.a' * n}\n",
     "a long number": lambda n: f"EVENT e := {'9' * n} > 0\n",
-    "comments": lambda n: "// a\n" * n + "EVENT e := TRUE\n",
     "literals": lambda n: f"ENUM E ({_each('L#, ', n)}X)\nVAR v : E TIMEOUT 1s\nEVENT e := v = X\n",
-    "constants": lambda n: _each("CONST c# := #\n", n) + "EVENT e := c0 > 1\n",
     "events of one name": lambda n: "EVENT e := TRUE\n" * n,
     "windows": lambda n: (
         "VAR x : BOOL TIMEOUT 1s\nEVENT e := x" + _each(" AND ONCE(x, %s)", n) + "\n"
@@ -464,28 +360,20 @@ _EVENTS = {
 _NODE = '    n#:\n      from: "p.a"\n      interfaces:\n        - i: pub-> "a::t"\n'
 _ROBOTS = {
     "nodes": ("rossystem", lambda n: "s:\n  nodes:\n" + _each(_NODE, n)),
-    "interfaces": (
-        "rossystem",
-        lambda n: 's:\n  nodes:\n    n:\n      from: "p.a"\n      interfaces:\n'
-        + _each('        - i#: pub-> "a::t#"\n', n),
-    ),
     "publishers": (
         "ros1",
         lambda n: "p:\n  artifacts:\n    a:\n      node: a\n      publishers:\n"
         + _each("        t#:\n          type: std_msgs/msg/Bool\n", n),
     ),
-    "packages": ("ros1", lambda n: _each("p#:\n  artifacts:\n    a:\n      node: a\n", n)),
     "braces": (
         "rossystem",
         lambda n: "RosSystem { Name s RosComponents (\n"
         + _each('ComponentInterface { name n# FromRosNode "p.a.n" },\n', n) + "))",
     ),
-    "open braces": ("rossystem", lambda n: "RosSystem {" * n),
     "open comments": ("rossystem", lambda n: "RosSystem {" + "/* " * n),
     "open quotes": ("ros", lambda n: "PackageSet { 'a " + "' " * n),
     "deep blocks": ("ros", lambda n: "".join(" " * k + "a:\n" for k in range(n))),
     "one long line": ("ros", lambda n: "a: " + "[" * n),
-    "blank lines": ("ros", lambda n: "a:\n" + " \n" * n),
 }  # fmt: skip
 
 # recordings
@@ -496,8 +384,6 @@ _RECORDINGS = {
     "bad rows": lambda n: _ROW + _each("treu,1,2,3\n", n),
     "columns": lambda n: _each("RtE_A_E#,", n) + "t\n" + "1," * n + "0\n",
     "quoted cells": lambda n: _ROW + '"tr""ue"' * n + "\n",
-    "an open quote": lambda n: _ROW + '"' + '""' * n + "\n",
-    "blanks": lambda n: _ROW + " " * n + "\n",
     "open quoted cells": lambda n: _ROW + '" ' * n + "\n",
     "a long number": lambda n: _ROW + f"true,true,{'9' * n}\n",
 }
@@ -512,7 +398,6 @@ def _package(n: int) -> str:
 _HAND = "    '''-----Manual edit {}-----'''  # region: process_E#\n"
 _SYNC = {
     "regions": _package,
-    "regions with former ids": lambda n: eddi_input([f"E{k}" for k in range(n)], "a"),
     "regions that were edited": lambda n: _package(n).replace("message.data", "not message.data"),
     "regions without an id": lambda n: "class A:\n" + _each(
         "    def process_E#(self):\n        '''-----Manual edit begin-----'''\n        x = 1\n"
@@ -523,21 +408,15 @@ _SYNC = {
         _HAND.format("begin") + "    self.a# = 1\n    b# = 2\n" + _HAND.format("end"), n
     ),
     "begin markers": lambda n: _each(_HAND.format("begin"), n),
-    "end markers": lambda n: _each(_HAND.format("end"), n),
     "the same region": lambda n: "class A:\n" + (
         _HAND.format("begin") + "    x = 1\n" + _HAND.format("end")
     ) * n,
     "statements": lambda n: _package(2) + _each("x# = 1\n", n),
-    "equal statements": lambda n: _package(2) + "x = 1\n" * n,
-    "blank lines": lambda n: _package(2) + "\n" * n,
     "a long line": lambda n: _package(2) + f"x = '{'a' * n}'\n",
     "a body of many lines": lambda n: _package(2).replace(
         "        self.E0 = message.data\n", _each("        x# = message.data\n", n)
     ),
     "dashes": lambda n: _package(2) + "-" * n + "\n",
-    "a long marker": lambda n: _package(2) + (
-        f"'''-----Manual edit begin-----''' # region: {'a ' * n}\n"
-    ),
     "former ids": lambda n: _package(2) + (
         f"'''-----Manual edit begin-----''' # region: a was: {'a, ' * n}\n"
     ),
@@ -548,7 +427,6 @@ _SYNC = {
 _ROBOT = "  - {name: arm#, monitors: [{config: arm_config.yml}]}\n"
 _CART = "  - {name: cart, monitors: [{config: cart_config.yml}]}\n"
 _DEPLOYMENT = {
-    "robots": lambda n: "Robots:\n" + _each(_ROBOT, n),
     "robots that fulfil a demand": lambda n: (
         f"Robots:\n{_CART}{_each(_ROBOT, n)}Bindings: [{{demand: ArmIsParked}}]\n"
     ),
@@ -556,10 +434,6 @@ _DEPLOYMENT = {
         "Robots:\n  - name: arm\n    monitors:\n      - config: arm_config.yml\n"
         "        override:\n          SimulatorOutputs:\n"
         + _each("            - {id: s#, type: std_msgs/Bool, topic: t#}\n", n)
-    ),
-    "bindings": lambda n: (
-        f"Robots:\n{_CART}{_each(_ROBOT, 1)}Bindings:\n"
-        + _each("  - {robot: cart, demand: ArmIsParked#}\n", n)
     ),
 }
 
@@ -572,16 +446,10 @@ _ADOPT = {
         "        self.E# = m.data\n        '''-----Manual edit end-----'''\n",
         n,
     ),
-    "methods without markers": lambda n: _CLASS + _each(
-        "    def process_E#(self, m):\n        self.E# = m.data\n", n
-    ),
     "imports": lambda n: _each("import a#\n", n) + _CLASS,
-    "statements": lambda n: _each("a# = 1\n", n) + _CLASS,
     "statements of one line": lambda n: "a = 1;" * n + "\n" + _CLASS,
     "helpers": lambda n: _CLASS + _each("    def helper#(self):\n        return 1\n", n),
-    "minus": lambda n: f"{_CLASS}x = {'-' * n}1\n",
     "plus": lambda n: f"{_CLASS}x = 1{' + 1' * n}\n",
-    "attributes": lambda n: f"{_CLASS}x = a{'.a' * n}\n",
     "branches": lambda n: f"{_CLASS}if a:\n    pass\n" + "elif a:\n    pass\n" * n,
     "a long number": lambda n: f"{_CLASS}x = 0x{'f' * n}\n",
 }  # fmt: skip

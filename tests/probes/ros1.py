@@ -32,10 +32,16 @@ def build(name, fields):
 
 
 def subscribe(topic, kind):
+    """Hear messages of a kind, or of that which their publisher names."""
+
     def received(message):
+        if kind is None:
+            raw, message = message, message_class(message._connection_header["type"])()
+            message.deserialize(raw._buff)
         heard(topic, plain(message))
 
-    rospy.Subscriber(topic, message_class(kind), received, tcp_nodelay=True)
+    made = message_class(kind) if kind else rospy.AnyMsg
+    rospy.Subscriber(topic, made, received, tcp_nodelay=True)
 
 
 def publisher(topic, kind, **more):

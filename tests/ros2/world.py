@@ -6,6 +6,7 @@ Where the setup.bash of a ROS 2 was sourced, that one is tested instead.
 import fcntl
 import hashlib
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -88,20 +89,37 @@ class Release:
         return dict(line.split("=", 1) for line in done.stdout.split("\0") if "=" in line)
 
     def workspace(self, place):
-        """Build the example's monitors and some messages, once; return the environment there."""
-        place.mkdir(exist_ok=True)
+        """Build the example's monitors, once; return the environment there."""
+
+        def generate():
+            letters = [w for one in "ab" for w in ("-c", EXAMPLE / f"consert_{one}_config.yml")]
+            words = ("-w", place, "-m", EXAMPLE / "two_conserts.xml", *letters)
+            done = run("generate", "--platform", "ros2", *words, cwd=place)
+            assert done.status == 0, done.err
+
+        return self._built(place, generate)
+
+    def fields(self):
+        """Build the messages of all types of fields, once on a machine; return the environment."""
+        text = Path(table.__file__).read_bytes() + _WHEELS.read_bytes()
+        of = hashlib.sha256(text).hexdigest()[:12]
+        place = CACHE / f"fields-{self.name}-{of}"
+        return self._built(place, lambda: table.write_package(place / "src" / "field_msgs"))
+
+    def _built(self, place, write):
+        """Build what a function writes, unless another worker, or run, has done so."""
+        place.mkdir(parents=True, exist_ok=True)
         with (place / ".lock").open("w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)  # of all workers of a run, the first one builds
-            if not (place / "install" / "setup.bash").exists():
-                letters = [w for one in "ab" for w in ("-c", EXAMPLE / f"consert_{one}_config.yml")]
-                words = ("-w", place, "-m", EXAMPLE / "two_conserts.xml", *letters)
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (place / ".complete").exists():
+                for name in ("src", "build", "install"):
+                    shutil.rmtree(place / name, ignore_errors=True)
                 (place / "src").mkdir()
-                table.write_package(place / "src" / "field_msgs")
-                done = run("generate", "--platform", "ros2", *words, cwd=place)
-                assert done.status == 0, done.err
+                write()
                 before = contents(place)
                 self.colcon(place, "build")
                 assert contents(place) == before, "a build writes nothing into the sources"
+                (place / ".complete").touch()
         return self.sourced(place)
 
 

@@ -47,7 +47,7 @@ def told(seed: int, *lives: Life) -> Iterator[None]:
 
 @pytest.mark.parametrize("part", range(10))
 def test_a_sync_loses_doubles_and_moves_nothing(folder: Path, part: int) -> None:
-    for seed in range(part, histories(40, 3000), 10):
+    for seed in range(part, histories(20, 3000), 10):
         life = Life(Bare(folder / str(seed)), random.Random(seed))
         with told(seed, life):
             live(life.begin(), 8, ("generate", "generate", "killed"))
