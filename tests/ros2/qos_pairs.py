@@ -9,7 +9,8 @@ import json
 import time
 
 import rclpy
-from eddi_runtime.transports.ros2.process import keeps, reading, refused, writing
+from eddi_runtime.node.publications import reading_qos, writing_qos
+from eddi_runtime.transports.ros2.process import keeps, profile, refused
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Bool
@@ -40,7 +41,10 @@ def main():
         rclpy.init(context=context)
         nodes.append(rclpy.create_node(name, context=context))
     wanted = list(pairs())
-    profiles = [(writing(offered, 1), reading(asked, 5)) for offered, asked in wanted]
+    profiles = [
+        (profile(writing_qos(offered, 1)), profile(reading_qos(asked, 5)))
+        for offered, asked in wanted
+    ]
     heard = [False] * len(wanted)
     writers = [
         nodes[0].create_publisher(Bool, f"/pair{k}", qos) for k, (qos, _) in enumerate(profiles)
