@@ -1,9 +1,8 @@
 """Bayesian networks: exact posteriors from hard, virtual and missing evidence (D7.2 3.2)."""
 
 from .engine import NodeSpec, Part, Program
-from .monitor import BayesianNetworkMonitor
+from .monitor import BayesianNetworkMonitor, Source
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
-from .readers import Source
 
 FORMAT = 3
 

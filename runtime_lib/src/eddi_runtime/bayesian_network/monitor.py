@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable, List, Union
+from typing import TYPE_CHECKING, Dict, Iterable, List, NamedTuple, Union
 
-from ..inputs import look_again, step_time
+from ..inputs import InputSpec, look_again, step_time
 from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree, row_trees
 from ..plain_values import Absent, read
 from . import outputs as out
@@ -22,13 +22,24 @@ from .outputs import (
     Step,
 )
 from .outputs import Monitor as OfD72
-from .readers import Source
+
+if TYPE_CHECKING:
+    from .direct import DirectReader
+    from .readers import Discretiser
 
 Output = List[BayesianNetworkOutput]
 Named = Dict[str, Union[bool, float, str, None]]
 _ACTOR = 0
 _NO_TIME = math.nan  # neither before nor behind any time
 _UNKNOWN: Rows = ()
+
+
+class Source(NamedTuple):
+    """A declared way from an input to a node."""
+
+    node: int
+    spec: InputSpec
+    reader: Discretiser | DirectReader
 
 
 class BayesianNetworkMonitor(OfD72, Monitor[Output]):

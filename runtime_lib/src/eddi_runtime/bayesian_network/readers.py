@@ -8,14 +8,11 @@ from __future__ import annotations
 import math
 import sys
 from bisect import bisect_left, bisect_right
-from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Sequence
+from typing import Any, Callable, NamedTuple, Sequence
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
 from .outputs import Reading
-
-if TYPE_CHECKING:
-    from .direct import DirectReader
 
 ABSENT = -1
 _LARGEST = sys.float_info.max
@@ -154,11 +151,3 @@ class Discretiser:
             return slow(raw, now)
 
         return scaled if one.scaled else unscaled
-
-
-class Source(NamedTuple):
-    """A declared way from an input to a node."""
-
-    node: int
-    spec: InputSpec
-    reader: Discretiser | DirectReader
