@@ -8,7 +8,7 @@ import yaml
 
 from tests.cli.command import run
 
-DATA = Path(__file__).parents[1] / "data" / "oracles" / "users"
+DATA = Path(__file__).parents[1] / "data" / "users"
 SPELLINGS = yaml.load((DATA / "spellings.yml").read_text("utf-8"), yaml.CSafeLoader)["cases"]
 
 

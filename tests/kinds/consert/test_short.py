@@ -13,7 +13,7 @@ from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.graph import path_sets
 from tests.kinds.consert.example import monitor_of
 
-CASES = Path(__file__).parents[2] / "data" / "oracles" / "users" / "short.yml"
+CASES = Path(__file__).parents[2] / "data" / "users" / "short.yml"
 
 
 @cache
