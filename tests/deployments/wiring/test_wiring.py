@@ -143,8 +143,7 @@ def test_silence_is_followed_through_another_input(tmp_path: Path) -> None:
 
 
 _TEXT = (ORACLES / "users/order.yml").read_text()
-_ALL: list[dict[str, Any]] = yaml.load(_TEXT, yaml.CSafeLoader)["cases"]
-CASES = [case for case in _ALL if case["id"] != "documents"]  # several configurations in one file
+CASES: list[dict[str, Any]] = yaml.load(_TEXT, yaml.CSafeLoader)["cases"]
 WORKSPACE = Path("src/eddi_monitor")
 
 
