@@ -25,11 +25,11 @@ ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(
     r"(?P<shown><!-- shown only: [^\n]+ -->\n)?```console\n(?P<text>.*?)```"
-    r"|<!-- (?P<file>(?:region: \S+ in|file:) [\w./]+) -->\n```\w+\n(?P<content>.*?)```",
+    r"|<!-- (?P<file>(?:region: \S+ in|file:|edit:) [\w./]+) -->\n```\w+\n(?P<content>.*?)```",
     re.DOTALL,
 )
 CONTINUES = re.compile(r"<!-- continues: (\S+) -->")
-WRITE, BETWEEN = "file: ", "region: "
+WRITE, BETWEEN, EDIT = "file: ", "region: ", "edit: "
 PROGRAM = "eddi-scaffold "
 OPERATORS = {"2>&1", ">", "|"}
 
@@ -38,7 +38,8 @@ def commands(page: Path) -> list[tuple[str, str]]:
     """Return (command, printed output) of every block that is not marked as shown only.
 
     A block that is marked as a file is the command ``file: FILE`` with its content, one that is
-    marked as the body of a region ``region: ID in FILE``.
+    marked as the body of a region ``region: ID in FILE``, and lines before and after that are
+    marked as an edit ``edit: FILE``.
     """
     found = []
     for block in BLOCK.finditer(page.read_text(encoding="utf-8")):
@@ -77,12 +78,26 @@ def test_the_commands_of_a_page_run(pages: list[Path], tmp_path: Path) -> None:
             folder /= command.removeprefix("cd ")
         elif command.startswith(WRITE):
             (folder / command.removeprefix(WRITE)).write_text(output, encoding="utf-8")
+        elif command.startswith(EDIT):
+            edit(folder / command.removeprefix(EDIT), output)
         elif command.startswith(BETWEEN):
             put(*command.removeprefix(BETWEEN).split(" in "), output, folder)
         else:
             printed = run_line(command, folder)
             if output:
                 assert printed == output, command
+
+
+def edit(path: Path, changes: str) -> None:
+    """Do what lines before (``-``) and after (``+``) say; an empty line is between two changes."""
+    text = path.read_text("utf-8")
+    for change in changes.split("\n\n"):
+        lines = change.strip("\n").splitlines(keepends=True)
+        old = "".join(line[1:].rstrip("\n") + "\n" for line in lines if line[0] != "+")
+        new = "".join(line[1:].rstrip("\n") + "\n" for line in lines if line[0] != "-")
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    path.write_text(text, "utf-8")
 
 
 def put(region: str, name: str, body: str, folder: Path) -> None:
