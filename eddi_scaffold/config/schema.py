@@ -296,7 +296,7 @@ class PackageSection(Section):
     version: Annotated[StrictStr, _version] = "0.1.0"
     description: Line | None = None
     maintainer: Annotated[StrictStr, _maintainer] | None = None
-    license: Line = "Apache-2.0"
+    license: Line = "TODO"
 
 
 PEERS_TOPIC, PEERS_LEASE = "/eddi/peers", 1.0

@@ -136,7 +136,7 @@ def identity_answers(package: str, description: str, config: Config | None) -> d
         "description": one_line((section.description if section else None) or description),
         "maintainer_name": name.strip(),
         "maintainer_email": address.strip(),
-        "license": section.license if section else "Apache-2.0",
+        "license": section.license if section else "TODO",
     }
 
 

@@ -185,7 +185,8 @@ class _Robot:
         self.problems += [problem("K003.from", place, key=key) for key in clashing]
         if text is None:
             self.problems.append(problem("K003.from_text", place))
-            return entry
+            others = [pair for pair in entry.entries if pair[0].text != "from"]
+            return replace(entry, entries=tuple(others))
         match, new = _PATH.fullmatch(text.strip()), dict[str, Node | str | None]()
         before = len(read)
         if match is not None and (match["head"] in topics or match["head"] not in self.documents):

@@ -12,7 +12,14 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.identifiers import package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
+from eddi_scaffold.common.problems import (
+    EddiError,
+    Place,
+    Problem,
+    did_you_mean,
+    has_errors,
+    problem,
+)
 from eddi_scaffold.config.field_types import MessageFields
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
@@ -79,6 +86,12 @@ def monitors_of(
     pairs = [rename.partition("=") for rename in renames]
     former = {package_name(new): package_name(old) for old, _, new in pairs}
     configs, config_problems = read_configs(config_files, robot)
+    if name is not None and len(configs) > 1:
+        ids = [config.config.Model.id for config in configs]
+        configs = [config for config in configs if config.config.Model.id == name]
+        if not configs:
+            hint = did_you_mean(name, ids) or f"there are: {', '.join(ids)}"
+            raise EddiError(problem("F005", Place(), hint=hint, kind=f"no monitor {name!r}"))
     if root is not None:
         configs = [
             with_types(config, _remembered_types(config, root, former)) for config in configs

@@ -193,6 +193,8 @@ def package_answers(
             key: monitors[package][key] for key in _MAINTAINED if key in monitors[package]
         }
         answers |= maintainer if maintainer.get("maintainer_email") != nobody else {}
+    if {"messages", "parts"} & more.keys():  # files of eddi-scaffold, not a person's
+        answers["license"] = "Apache-2.0"
     return answers
 
 

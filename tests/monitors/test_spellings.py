@@ -39,3 +39,67 @@ def test_both_spellings_give_one_package(case, tmp_path):
     new = generated(case, "new", tmp_path / "new")
     assert sorted(old) == sorted(new)
     assert [str(name) for name in old if old[name] != new[name]] == []
+
+
+ROBOT = """\
+SimulatorOutputs:
+  - {id: bumper, type: std_msgs/Bool, topic: bumper/pressed}
+  - {id: battery, type: sensor_msgs/BatteryState, topic: battery}
+---
+Model: {id: cart, type: ConSert, model: cart.yml}
+EDDIInputs:
+  - {id: PathIsFree, from: NOT bumper.data, max_age: 0.5 s}
+---
+Model: {id: fleet, type: ConSert, model: fleet.yml}
+EDDIInputs:
+  - {id: CartMoves, from: cart.MayDrive}
+"""
+MODELS = {
+    "cart.yml": "evidence: {PathIsFree: bool}\nguarantees: {MayDrive: PathIsFree}\n",
+    "fleet.yml": "evidence: {CartMoves: bool}\nguarantees: {Serve: CartMoves}\n",
+}
+
+
+def checked(folder, *changes):
+    text = ROBOT
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    for name, content in {**MODELS, "robot.yml": text}.items():
+        (folder / name).write_text(content, "utf-8")
+    return run("check", "robot.yml", cwd=folder)
+
+
+def test_the_monitors_of_a_robot_stand_in_one_file(tmp_path):
+    assert checked(tmp_path).status == 0
+    done = run("generate", "-o", "out", "--platform", "plain", "-c", "robot.yml", cwd=tmp_path)
+    assert done.status == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"cart", "fleet"}
+    words = ("-o", "one", "--platform", "plain", "-c", "robot.yml", "--name", "fleet")
+    assert run("generate", *words, cwd=tmp_path).status == 0
+    assert [path.name for path in (tmp_path / "one").iterdir()] == ["fleet"]
+    assert "fleet" in run("generate", *words[:-1], "flet", cwd=tmp_path).err
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "says"),
+    [
+        (("cart.MayDrive", "cart.MayDriv"), "11:27", "did you mean 'MayDrive'?"),
+        (("from: cart.MayDrive", "from: cart"), "11:27", "such as cart.CLAIM"),
+        (("from: cart.MayDrive", "from: crt.MayDrive"), "11:27", "'crt'"),
+        (("from: cart.MayDrive", "from: cart.MayDrive, field: data"), "11:27", "keep `from:`"),
+        (("from: cart.MayDrive", "from: [cart]"), "11:27", "MONITOR.CLAIM"),
+        (("0.5 s", "0.5 h"), "7:54", "seconds above 0"),
+        (("id: battery", "id: cart"), "11:27", "give one of them another id"),
+        (
+            ("---\nModel: {id: cart", "EDDIInputs: []\n---\nModel: {id: cart"),
+            "4:1",
+            "first document",
+        ),
+    ],
+)
+def test_what_is_wrong_stands_at_its_place(change, place, says, tmp_path):
+    done = checked(tmp_path, change)
+    assert done.status == 1
+    assert f"robot.yml:{place}: error" in done.err
+    assert says in done.err
