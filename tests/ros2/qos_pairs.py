@@ -9,7 +9,7 @@ import json
 import time
 
 import rclpy
-from eddi_runtime.node.publications import reading_qos, writing_qos
+from eddi_runtime.node.topics import reading_qos, writing_qos
 from eddi_runtime.transports.ros2.process import keeps, profile, refused
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import ReliabilityPolicy

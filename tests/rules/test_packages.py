@@ -34,7 +34,8 @@ packages = pytest.mark.parametrize(
 
 
 def files(package: Path) -> set[str]:
-    return {path.relative_to(package).as_posix() for path in package.rglob("*") if path.is_file()}
+    paths = (path for path in package.rglob("*") if path.is_file())
+    return {p.relative_to(package).as_posix() for p in paths if p.suffix != ".pyc"}
 
 
 def generated(package: Path) -> set[str]:
