@@ -8,12 +8,12 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import attribute, free_name, key_text, package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.config.deployment_file import ROBOTS, FleetFile, Robot, StationSection
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import Model, ReadResult
-from eddi_scaffold.monitors.config_reading import read_config
+from eddi_scaffold.monitors.config_reading import read_file
 from eddi_scaffold.monitors.loading import candidates, model_for
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 
@@ -59,12 +59,12 @@ class _Reader:
         platform = self.platform(form, ROBOTS, number)
         if platform is None:
             return None
-        all_pairs = [self._pair(number, index) for index in range(len(form.monitors))]
-        pairs = tuple(pair for pair in all_pairs if pair is not None)
-        clashes = list(self._clashes(number, all_pairs))
+        of_entries = [self._pairs(number, index) for index in range(len(form.monitors))]
+        clashes = list(self._clashes(number, of_entries))
         self.problems += clashes
-        if len(pairs) < len(all_pairs) or clashes:
+        if clashes or not all(of_entries):
             return None
+        pairs = tuple(pair for of_entry in of_entries for pair in of_entry)
         return FleetRobot(form, number, platform, graph_of(form, platform), pairs)
 
     def platform(self, form: Robot | StationSection, *path: str | int) -> Platform | None:
@@ -86,31 +86,37 @@ class _Reader:
                 self.problems.append(problem("K003.platform", place, hint=hint, key=key, **names))
         return platform
 
-    def _pair(self, robot: int, monitor: int) -> Pair | None:
+    def _pairs(self, robot: int, monitor: int) -> list[Pair]:
+        """Return what a file of configurations describes; none where something is wrong."""
         try:
             config_file, model_file = self.file.files(robot, monitor)
             override = self.file.overrides.get((robot, monitor))
-            config, problems = read_config(read_source(config_file), override=override)
+            configs, problems = read_file(read_source(config_file), override=override)
+            if override is not None and len(configs) > 1:
+                place = self.file.place(ROBOTS, robot, "monitors", monitor, "override")
+                problems = [*problems, problem("K001.several", place, number=len(configs))]
             self.problems += problems
-            if config is None:
-                return None
+            if has_errors(problems):
+                return []
             models = self._models(model_file).models if model_file is not None else ()
-            return model_for(config, candidates(config, models, self._models).models), config
+            named = [(config, candidates(config, models, self._models)) for config in configs]
+            return [(model_for(config, reading.models), config) for config, reading in named]
         except EddiError as failure:
             self.problems += failure.problems
-            return None
+            return []
 
-    def _clashes(self, robot: int, pairs: Sequence[Pair | None]) -> Iterator[Problem]:
+    def _clashes(self, robot: int, of_entries: Sequence[Sequence[Pair]]) -> Iterator[Problem]:
         """Report monitors of one package, before anything is made of them (G004)."""
         first: dict[str, int] = {}
-        for index, pair in enumerate(pairs):
-            name = package_name(pair[1].config.Model.id) if pair is not None else ""
-            before = first.setdefault(name, index) if name else index
-            if before != index:
+        pairs = [(index, pair) for index, pairs in enumerate(of_entries) for pair in pairs]
+        for index, (_, config) in pairs:
+            name = package_name(config.config.Model.id)
+            if name in first:
                 of = self.file.form.Robots[robot].name
-                line = self.file.place(ROBOTS, robot, "monitors", before).line
+                line = self.file.place(ROBOTS, robot, "monitors", first[name]).line
                 place = self.file.place(ROBOTS, robot, "monitors", index)
                 yield problem("G004.same_package_monitors", place, kind=of, line=line, package=name)
+            first.setdefault(name, index)
 
     def _models(self, path: Path) -> ReadResult:
         if path not in self.known:
