@@ -297,6 +297,8 @@ class PackageSection(Section):
     description: Line | None = None
     maintainer: Annotated[StrictStr, _maintainer] | None = None
     license: Line = "TODO"
+    # whose ids and field names the messages have: `eddi`, or those of SESAME D7.2's monitors
+    wire: Literal["eddi", "d7.2"] = "eddi"
 
 
 PEERS_TOPIC, PEERS_LEASE = "/eddi/peers", 1.0

@@ -393,7 +393,9 @@ class Kind:
     in_eddi: str = ""
     claim: ClaimField | None = None
     options: tuple[str, ...] = ()  # keys of `Model:` in a configuration that this kind understands
-    # the same for what robots tell each other, of a kind that has guarantees
+    # of these, the values with which its messages are those of SESAME D7.2's monitors
+    wire_of_d72: Mapping[str, str] = field(default_factory=dict)
+    # messages that robots tell each other, of a kind that has guarantees
     between_robots: Mapping[str, str] = field(default_factory=dict)
     # of these keys: message -> its text, where they ask for another one
     respelt: Callable[[Mapping[str, object]], Mapping[str, str]] = lambda _: {}

@@ -164,7 +164,7 @@ class _Robot:
         for key, value in document.entries:
             node = value
             if key.text == "Model" and isinstance(value, Map):
-                node = _model(value)
+                node = _model(value, _text(document.get("Package"), "wire") == "d7.2")
             elif key.text == "EDDIInputs" and isinstance(value, Items):
                 inputs = tuple(self._input(item, topics, read) for item in value.items)
                 node = replace(value, items=inputs)
@@ -276,7 +276,7 @@ class _Robot:
         return ()
 
 
-def _model(section: Map) -> Map:
+def _model(section: Map, is_of_d72: bool) -> Map:
     """Return a section with the file of the model as D7.2 names it, and thresholds of a network."""
     entries: list[tuple[Scalar, Node]] = []
     of_type = kinds_of_type(_text(section, "type"))
@@ -290,7 +290,9 @@ def _model(section: Map) -> Map:
             entries.append((replace(key, text="evidence"), replace(value, items=items)))
         else:
             entries.append((key, value))
-    return replace(section, entries=tuple(entries))
+    wire = {key: text for kind in of_type for key, text in kind.wire_of_d72.items()}
+    added = {key: text for key, text in wire.items() if is_of_d72 and section.get(key) is None}
+    return replace(section, entries=(*entries, *map_of(section.place, added).entries))
 
 
 def _threshold(entry: Node) -> Node:

@@ -103,3 +103,11 @@ def test_what_is_wrong_stands_at_its_place(change, place, says, tmp_path):
     assert done.status == 1
     assert f"robot.yml:{place}: error" in done.err
     assert says in done.err
+
+
+def test_the_names_of_d72_are_chosen_once(tmp_path):
+    checked(tmp_path, ("---\nModel: {id: cart", "Package: {wire: d7.2}\n---\nModel: {id: cart"))
+    words = ("-o", "out", "--platform", "plain", "-c", "robot.yml", "--name", "cart")
+    assert run("generate", *words, cwd=tmp_path).status == 0
+    assert "SESAME D7.2 names" in (tmp_path / "out/cart/README.md").read_text("utf-8")
+    assert '"MayDrive"' in (tmp_path / "out/cart/compiled.py").read_text("utf-8")

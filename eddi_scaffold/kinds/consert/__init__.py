@@ -61,6 +61,7 @@ KIND = Kind(
     claim=ClaimField("ConSertOutput", "guarantees[{}].active"),
     in_eddi=".",  # its reader says what is misspelt, too
     options=OPTION_KEYS,
+    wire_of_d72={"guarantee_ids": "class"},
     without_input="no guarantee that needs it becomes active",
 )
 """What the generator knows of ConSerts."""

@@ -154,6 +154,14 @@ class ConSertModel(Model):
         """
         return [*map(_input_of, self.data.demands), *map(_input_of, self.data.evidence)]
 
+    def readme(self) -> Sequence[str]:
+        by_class = self.options.guarantee_ids == "class"
+        return (
+            ["Ids of guarantees are published as SESAME D7.2 names its classes."]
+            if by_class
+            else ()
+        )
+
     def companion_messages(self) -> Mapping[str, str]:
         return {"status": "ConSertStatus"}
 

@@ -71,6 +71,7 @@ KIND = Kind(
     messages=_MESSAGES,
     output_message="SafeMLOutput",
     options=(VIOLATION_FIELD,),
+    wire_of_d72={VIOLATION_FIELD: "oddViolation"},
     respelt=_respelt,
     verdicts={"SafeMLStatus": _status},
     model="safeml_model.SafeMLModel",
