@@ -8,7 +8,8 @@ which is as fast as the transport gets. Both run at once and are asked in turn. 
 machine: ``on_change`` p50 below 1 ms and p95 below 5 ms.
 
 With 50 monitors (20 on DDS), each a process, first all of ours run and are asked one after the
-other, then as many peers. Ours step and report once a second besides, so that two cores are not full of that.
+other, then as many peers. Ours step and report once a second besides, so that two cores are not
+full of that.
 
     python benchmarks/ros_node.py [--quick] [--json] [--on ros2]
 """

@@ -148,6 +148,7 @@ class _Robot:
         self.source = source
         self.problems: list[Problem] = []
         self.documents: dict[str, Map] = {}
+        self.parts: dict[str, Sequence[str]] = {}  # file of a model -> what is published apart
         for document in documents:
             id_ = _text(document.get("Model"), "id")
             if id_ is not None:
@@ -268,12 +269,14 @@ class _Robot:
         """Return the parts of a model that are published apart, of a file that is there."""
         parameters = items_of(model.get("parameters") if isinstance(model, Map) else None)
         named = (_text(item, key) for item in (model, *parameters) for key in MODEL_KEYS)
-        name = next(filter(None, named), None)
-        with suppress(EddiError, OSError, ValueError):  # told where the model is read
-            source = read_source(next_to(self.source.name, name or ""))
-            models = kind.model_class.read_file(source, ()).models
-            return models[0].separate_outputs() if models else ()
-        return ()
+        name = next(filter(None, named), "")
+        if name not in self.parts:
+            self.parts[name] = ()
+            with suppress(EddiError, OSError, ValueError):  # told where the model is read
+                source = read_source(next_to(self.source.name, name))
+                models = kind.model_class.read_file(source, ()).models
+                self.parts[name] = models[0].separate_outputs() if models else ()
+        return self.parts[name]
 
 
 def _model(section: Map, is_of_d72: bool) -> Map:
