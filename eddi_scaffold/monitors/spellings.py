@@ -147,6 +147,7 @@ class _Robot:
     def __init__(self, source: Source, documents: Sequence[Map]) -> None:
         self.source = source
         self.problems: list[Problem] = []
+        self.readings = 0  # of claims, so far
         self.documents: dict[str, Map] = {}
         self.parts: dict[str, Sequence[str]] = {}  # file of a model -> what is published apart
         for document in documents:
@@ -156,10 +157,7 @@ class _Robot:
 
     def spelt_out(self, document: Map) -> Map:
         """Return a configuration in full."""
-        outputs = document.get("SimulatorOutputs")
-        topics = {
-            as_text(item.get("id") or item) for item in items_of(outputs) if isinstance(item, Map)
-        }
+        topics = {_text(item, "id") for item in items_of(document.get("SimulatorOutputs"))}
         read: dict[str, Map] = {}
         full: dict[str, tuple[Scalar, Node]] = {}
         for key, value in document.entries:
@@ -171,9 +169,8 @@ class _Robot:
                 node = replace(value, items=inputs)
             full[key.text] = key, node
         if read:
-            key, value = full.get(
-                "SimulatorOutputs", (Scalar("SimulatorOutputs", plain=True), Items(()))
-            )
+            none = Scalar("SimulatorOutputs", plain=True), Items(())
+            key, value = full.get("SimulatorOutputs", none)
             full["SimulatorOutputs"] = key, Items((*items_of(value), *read.values()), value.place)
         return replace(document, entries=tuple(full.values()))
 
@@ -189,7 +186,7 @@ class _Robot:
             others = [pair for pair in entry.entries if pair[0].text != "from"]
             return replace(entry, entries=tuple(others))
         match, new = _PATH.fullmatch(text.strip()), dict[str, Node | str | None]()
-        before = len(read)
+        before = self.readings
         if match is not None and (match["head"] in topics or match["head"] not in self.documents):
             head, rest = match["head"], match["rest"]
             self._clash(head, topics, node)
@@ -214,7 +211,7 @@ class _Robot:
 
             written = _BLANK.sub(lambda blank: blank[1] or "", text)
             new["expression"] = Scalar(_CLAIM.sub(spelt, written), plain=False, place=place)
-        if len(read) > before and entry.get("max_age") is None:
+        if self.readings > before and entry.get("max_age") is None:
             new["max_age"] = str(MONITOR_AGE)
         entries: list[tuple[Scalar, Node]] = []
         for key, value in entry.entries:
@@ -254,15 +251,9 @@ class _Robot:
             self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
             return None
         id_ = f"{package}_{claim}" if len(all_of_it) > 1 else package
-        place = node.place
-        entry = {
-            "id": id_,
-            "type": f"eddi_messages/{kind.claim.message}",
-            "topic": topic + kind.claim.behind,
-        }
-        read.setdefault(
-            id_, map_of(place, {k: Scalar(v, plain=False, place=place) for k, v in entry.items()})
-        )
+        type_, topic = f"eddi_messages/{kind.claim.message}", topic + kind.claim.behind
+        read.setdefault(id_, _texts(node.place, {"id": id_, "type": type_, "topic": topic}))
+        self.readings += 1
         return id_, kind.claim.field.format(claim)
 
     def _parts(self, model: Node | None, kind: Kind) -> Sequence[str]:
