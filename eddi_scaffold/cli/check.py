@@ -110,7 +110,9 @@ def show(
     if robot is not None:
         _show_robot(robot, as_json=as_json)
         return
-    source, configs, warnings = configured(source, [read_source(path) for path in config or ()])
+    source, configs, warnings = configured(
+        source, [read_source(path) for path in config or ()], name
+    )
     marks = default_guarantee or ()
     survey, problems = survey_of(source)
     reading = read_models(source, marks)

@@ -46,7 +46,7 @@ def diagram(
     if is_fleet(source):
         files = {f"{source.stem}.svg": picture_of_fleet(source, checked_models)}
     else:
-        source, _, warnings = configured(source, ())  # a configuration that names its model
+        source, _, warnings = configured(source, (), name)  # a configuration that names its model
         marks = default_guarantee or ()
         files, problems = pictures(Path(source.name), name, marks, single=single)
         console.problems([*warnings, *problems])

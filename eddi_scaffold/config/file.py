@@ -81,7 +81,8 @@ def keys_at(form: type[BaseModel], path: ValuePath) -> dict[str, Any]:
             inner = [keys[part] for of in forms if part in (keys := keys_at(of, ()))]
             forms = [section for type_ in inner for section in _sections(type_)]
     fields = forms[0].model_fields if forms else {}
-    return {field.alias or name: field.annotation for name, field in fields.items()}
+    spelt = {"from": str} if "requires" in fields else {}  # read before: monitors/spellings.py
+    return {**spelt, **{field.alias or name: field.annotation for name, field in fields.items()}}
 
 
 def _sections(type_: Any) -> Iterator[type[BaseModel]]:

@@ -372,6 +372,7 @@ class ClaimField(NamedTuple):
     field: str = "active"  # with {} for the id of the claim
     behind: str = ""  # what follows the topic of the result
     apart: bool = False  # where there are several, each is a message of its own
+    options: tuple[str, ...] = ()  # keys of `Model:` that make claims, where the model does not
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -58,17 +58,18 @@ class RobotAdditions:
     types: MessageFields = field(default_factory=dict)
 
 
-def read_config(
-    source: Source,
-    robot: RobotAdditions | None = None,
-    override: Map | None = None,
-) -> tuple[ConfigFile | None, list[Problem]]:
+def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
     """Read the only configuration of a file; the result is ``None`` when a problem is an error."""
-    configs, problems = read_file(source, robot, override)
+    configs, problems = read_file(source)
     if len(configs) > 1:
-        place = configs[1].place("Model")
-        return None, [*problems, problem("K001.several", place, number=len(configs))]
+        return None, [*problems, several(configs, configs[1].place("Model"))]
     return next(iter(configs), None), problems
+
+
+def several(configs: Sequence[ConfigFile], place: Place) -> Problem:
+    """Return the problem of a file that holds several configurations where it should hold one."""
+    names = ", ".join(config.config.Model.id for config in configs)
+    return problem("K001.several", place, number=len(configs), names=names)
 
 
 def read_file(
@@ -158,7 +159,7 @@ def _unknown_options(section: object, places: Places, file: str) -> Iterator[Pro
         return
     fitting = kinds_of_type(str(section.get("type")))  # all kinds if it is unknown
     options = {key for kind in fitting or kinds().values() for key in kind.options}
-    known = {*ModelSection.model_fields, *options}
+    known = {"model", *ModelSection.model_fields, *options}
     similar = SimilarNames(sorted(known), "known keys")
     for key in (key for key in section if key not in known):
         place = places.get(("Model", key, KEY), Place(file))

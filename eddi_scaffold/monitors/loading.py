@@ -29,7 +29,7 @@ from eddi_scaffold.eddi_xml.extensions import Observed, check_maps
 from eddi_scaffold.eddi_xml.links import links_in, links_of
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.kinds import Kind, Model, Options, ReadResult, kinds
-from eddi_scaffold.monitors.config_reading import read_config
+from eddi_scaffold.monitors.config_reading import read_file
 from eddi_scaffold.yaml_text.nodes import read_map
 
 YAML_SUFFIXES = (".yml", ".yaml")
@@ -76,8 +76,8 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
     if is_config(source):
         hint = "name the EDDI XML or ConSert YAML that it belongs to"
         with suppress(EddiError):  # told where the configuration is read
-            config, _ = read_config(source)
-            named = named_model_path(config) if config is not None else None
+            configs, _ = read_file(source)
+            named = named_model_path(configs[0]) if configs else None
             hint = f"name its model: {named}" if named is not None else hint
         return ReadResult((), (problem("F003.configuration", place, hint=hint),))
     if is_fleet(source):

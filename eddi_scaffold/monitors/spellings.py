@@ -234,6 +234,11 @@ class _Robot:
                 hint = f"such as {monitor}.CLAIM"
                 self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
             return None
+        keys = kind.claim.options
+        if keys and isinstance(model, Map) and not any(items_of(model.get(key)) for key in keys):
+            hint = f"write it below `Model: {keys[0]}:` of {monitor}"
+            self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
+            return None
         package = package_name(monitor)
         parts = self._parts(model, kind) if kind.claim.apart else ()
         if parts and claim not in parts:

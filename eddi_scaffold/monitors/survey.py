@@ -16,7 +16,7 @@ from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.survey import foreign, survey, unread
 from eddi_scaffold.kinds import JsonValue, Model, kinds
-from eddi_scaffold.monitors.config_reading import read_file
+from eddi_scaffold.monitors.config_reading import read_file, several
 from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, named_like_mros, read_models
 from eddi_scaffold.mros import (
     SYSTEM_SUFFIX,
@@ -78,11 +78,11 @@ def mros_of(source: Source) -> Shown | None:
 
 
 def configured(
-    source: Source, more: Sequence[Source]
+    source: Source, more: Sequence[Source], name: str | None = None
 ) -> tuple[Source, list[ConfigFile], list[Problem]]:
     """Return the model file to show, the configurations that are shown with it, and warnings.
 
-    A configuration that is shown by itself names its model.
+    A configuration that is shown by itself names its model; of several in its file the name chooses.
 
     Raises:
         EddiError: a configuration has errors, or names a file that is not there.
@@ -96,6 +96,11 @@ def configured(
             raise EddiError(*problems_of_file)
         configs += read
         problems += problems_of_file
+    if alone and not more and len(configs) > 1:
+        unclear = several(configs, configs[1].place("Model"))
+        configs = [config for config in configs if config.config.Model.id == name]
+        if not configs:
+            raise EddiError(unclear)
     path = named_model_path(configs[0]) if alone else None
     return source if path is None else read_source(path), configs, problems
 

@@ -68,7 +68,12 @@ KIND = Kind(
     verdicts={"BayesianNetworkEvidence": _thresholds, "BayesianNetworkStatus": _facts},
     model="network_model.NetworkModel",
     topic="posteriors",
-    claim=ClaimField("BayesianNetworkEvidence", "evidence[{}].active", "/evidence"),
+    claim=ClaimField(
+        "BayesianNetworkEvidence",
+        "evidence[{}].active",
+        "/evidence",
+        options=("thresholds", "evidence"),
+    ),
     in_eddi=NETWORKS,
     options=_KEYS,
     inputs_of_model=False,
