@@ -82,7 +82,7 @@ def configured(
 ) -> tuple[Source, list[ConfigFile], list[Problem]]:
     """Return the model file to show, the configurations that are shown with it, and warnings.
 
-    A configuration that is shown by itself names its model; of several in its file the name chooses.
+    A configuration that is shown by itself names its model; of several in a file the name chooses.
 
     Raises:
         EddiError: a configuration has errors, or names a file that is not there.
