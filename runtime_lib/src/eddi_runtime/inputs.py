@@ -40,18 +40,15 @@ class InputSpec(NamedTuple):
     id: str  # as in the model
     attribute: str  # name of the attribute of ``EDDIInput`` that holds the value
     requires: tuple[str, ...] = ()  # ids of the SimulatorOutputs that the value is made of
-    # seconds from receipt after which a message is stale; ``"none"``: never, on purpose; ``None``:
-    # never, because nothing was configured
+    # seconds from receipt until a message is stale; never: ``"none"`` on purpose, else ``None``
     max_age: float | str | None = None
     # numerator and denominator: a given number times this is in the model's unit
     factor: tuple[int, int] | None = None
     default: object = None  # value before the first message
     every_message: bool = False  # the attribute holds the list of all values since the last step
     # class of ``compiled.py`` that computes what ``expression`` gives
-    # (``eddi_runtime.expressions.expression``)
     expression: Callable[[], Any] | None = None
-    # keys by which the configuration accepts a value of it that is not confirmed; ``max_age:
-    # none`` is not repeated here
+    # keys but ``max_age: none`` by which a value of it is accepted that is not confirmed
     accepts: tuple[str, ...] = ()
 
 
@@ -122,8 +119,7 @@ class EDDIInputBase:
     A message that is handed in as another object than before is new; the same object ages.
     """
 
-    # generated classes have it: takes the latest messages by SimulatorOutput id, and the time in
-    # nanoseconds (none: the machine's monotonic clock)
+    # generated: takes the latest messages by SimulatorOutput id, and the time in nanoseconds
     processing: Callable[..., object]
     # how the last ``processing`` went for each input, for reports only: monitors decide by values
     states: dict[str, InputState]

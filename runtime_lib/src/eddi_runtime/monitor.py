@@ -64,10 +64,7 @@ Value = Union[bool, float, str, None]  # a named result for people and plots; No
 def row_trees(
     output: object, tree_of: Callable[[Any], Tree]
 ) -> tuple[list[Tree] | None, list[str]]:
-    """Return the tree of each row of an output (None: it has none), and what is wrong.
-
-    A row of which ``tree_of`` raises is left out: a person's code may have put anything there.
-    """
+    """Return the tree of each row of an output (None: it has none), and what is wrong."""
     rows: Any = output
     # "isinstance" would believe what calls itself a list
     if not issubclass(type(output), (list, tuple)):

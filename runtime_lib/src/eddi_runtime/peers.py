@@ -2,10 +2,9 @@
 
 Each node of a fleet tells its word after every step: its guarantees, a number, a lease, and the
 last number it heard of each listener. By that echo a listener bounds the age of a word with its
-own clock: it was made after the echoed one was told. So nothing that was delayed, repeated or told
-before a partition counts as fresh, whatever the clocks of the robots say. A guarantee names the
-monitors on whose words it rests, and none of these relies on it: in a circle they would keep each
-other's guarantees active long after the evidence is gone.
+own clock: it was made after the echoed one was told, whatever the clocks of the robots say. A
+guarantee names the monitors on whose words it rests, and none of these relies on it: in a circle
+they would keep each other's guarantees active long after the evidence is gone.
 """
 
 from __future__ import annotations
@@ -18,8 +17,6 @@ from typing import Any, Iterable, Mapping, NamedTuple, Sequence, Tuple
 from .inputs import Word
 from .monitor import Tree
 from .node.topics import Input, Receipt
-
-__all__ = ["Fleet", "Found", "Name", "Peers", "Source"]
 
 _WORDS = "~peers"  # id of the subscription to all words; none of a configuration is like it
 LONGEST_LEASE = 60.0
@@ -117,11 +114,7 @@ class Peers:
         return self.word([(one.id, one.active, robots) for one, robots in zip(rows, by)], now)
 
     def word(self, guarantees: Iterable[tuple[str, bool, Iterable[str]]], now: float) -> Tree:
-        """Return the next word as a ``RobotGuarantees`` tree; it must be told after ``now``.
-
-        ``guarantees``: id, whether it is active, the robots on whose words it rests by the last
-        ``find``.
-        """
+        """Return the next word: for each guarantee id, whether it is active, robots behind it."""
         self._number += 1
         self._told.append((self._number, now))
         while now - self._told[0][1] > LONGEST_LEASE:

@@ -1,8 +1,4 @@
-"""Any value that an input may hold: found in a message, read, as a plain value, as a short text.
-
-Messages and people's methods hand over numpy scalars, subclasses and proxies: all are asked by
-methods that they cannot override.
-"""
+"""Any value that an input may hold: in a message, read, as a plain value, as a short text."""
 
 from __future__ import annotations
 

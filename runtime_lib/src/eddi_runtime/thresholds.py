@@ -24,13 +24,9 @@ class Evidence:
         self.reset()
 
     def step(self, now: float, value: float, *, usable: bool, best: float = -math.inf) -> bool:
-        """Return whether the evidence is active.
+        """Return whether the evidence is active; ``best``: the value in the best case.
 
-        Args:
-            now: nanoseconds; after a jump back the time to hold begins anew. NaN is no time.
-            value: in the worst case; NaN never satisfies a comparison.
-            usable: the number may be trusted.
-            best: value in the best case of what is not known.
+        After a jump back of ``now`` (nanoseconds) the time to hold begins anew; NaN is no time.
         """
         _, activate, release, hold_ns = self.threshold
         if best > release:

@@ -25,7 +25,7 @@ def test_a_chain_that_was_seen_to_fail_stays_failed():
     assert [result.evidence["go"] for result in seen] == [True] + [False] * 5
     assert (seen[1].valid, seen[2].valid, seen[4].valid) == (True, False, True)
     assert (seen[3].reliability, seen[3].mttf) == (0.0, 0.0)
-    assert one.latched() == {"chain": 2}
+    assert one.explain().ignored == {"chain": 2}
     step(one, 0.6, a=True)
     assert "works again; ignored without `repair: true`" in one.faults()["a"]
     one.reset()

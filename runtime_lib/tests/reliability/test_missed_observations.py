@@ -117,14 +117,14 @@ def compare(parts, ranges, told, chance):
     bounded = []
     for t, values in zip(times, given):
         result = step(one, t, **values)
-        bounded.append((result, sum(one.latched().values())))
+        bounded.append((result, sum(one.explain().ignored.values())))
     compared = 0
     for whole in completions(chance, given, lost, ranges):
         one.reset()
         sane = True
         for t, values, (bound, latched) in zip(times, whole, bounded):
             exact = step(one, t, **values)
-            if contradicts(exact, bound) or sum(one.latched().values()) > latched:
+            if contradicts(exact, bound) or sum(one.explain().ignored.values()) > latched:
                 break  # the model excludes this completion
             sane = sane and bound.reason != "inconsistent"
             holds(bound, exact, (parts, rule, times, given, whole), sane=sane)

@@ -43,7 +43,7 @@ def test_what_failed_does_not_work_again():
     one = rotors()
     step(one, **{**WORKING, "m2": False})
     assert step(one, 0.1, **WORKING).p_fail == 1.0
-    assert one.latched() == {"rotors": 1}
+    assert one.explain().ignored == {"rotors": 1}
     one.reset()
     assert step(one, **WORKING).p_fail < 1.0
     repaired = monitor([quad(0.01, repair=True)], WORKING)
@@ -167,7 +167,7 @@ def test_battery_processor_units_and_series():
     assert result.reliability == pytest.approx(1 - result.p_fail, rel=1e-12)
     assert step(one, 0.1, **{**good, "level": 20}).p_fail == 1.0
     assert step(one, 0.2, **good).p_fail == 1.0
-    assert one.latched() == {"battery": 1}
+    assert one.explain().ignored == {"battery": 1}
     assert step(one, 0.3, **{**good, "n": 1}).contributions["units"] == 1.0
     for name, bad in (("level", 101), ("n", 2.5), ("n", 5), ("t", math.inf), ("u", -1)):
         assert name in step(one, 0.4, **{**good, name: bad}).unknown

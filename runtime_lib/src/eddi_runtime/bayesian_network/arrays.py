@@ -1,7 +1,6 @@
 """Larger parts of a network: compiled numpy operations on arrays that are made at the start.
 
-Axes of an array are the nodes of its message, ascending, behind one axis for each input of the
-message, over its states and, where that may be, "not observed".
+Axes of an array are the nodes of its message, ascending, behind one for each of its inputs.
 """
 
 from __future__ import annotations
@@ -92,11 +91,7 @@ class Numbers:
 
 
 class Running(Numbers):
-    """The operations of a ``Schedule`` with their arrays. Results stay in place.
-
-    ``positions``: node -> its place in the states. ``wanted``: outputs that are asked for; none:
-    the probability of the evidence.
-    """
+    """The operations of a ``Schedule`` with their arrays, in which results stay in place."""
 
     def __init__(self, made: Any, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
         super().__init__(made.nodes, made.messages)
@@ -106,8 +101,7 @@ class Running(Numbers):
         self._flat = np.zeros(sum(sizes))
         self._vectors = dict(zip(self.rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
         self._full = self._step(made.full or made.hard)
-        # state of each observable node by position (the number of its states: not observed) ->
-        # unnormalised rows
+        # state of each observable node by position -> unnormalised rows
         self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
         if made.hard is not None:
             self.hard = self._step(made.hard) if made.full else self._full
@@ -120,11 +114,8 @@ class Running(Numbers):
         return self._full(states)
 
     def scaled(self, states: States, weights: Weights) -> Posteriors:
-        """Return rows of which none is zero by underflow; slow, for unlikely evidence.
-
-        Each message has the maximum 1, and the widest type of the machine is used: on a PC 80
-        bits, with exponents down to -4950.
-        """
+        """Return rows of which none is zero by underflow; slow, for unlikely evidence."""
+        # The widest type of the machine: on a PC 80 bits, with exponents down to -4950.
         found: dict[int, Any] = {}
         for number, message in enumerate(self.messages):
             if message.kind in _EVIDENCE:

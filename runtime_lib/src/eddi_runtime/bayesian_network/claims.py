@@ -1,7 +1,6 @@
 """The monitor of a network with thresholds: evidence that holds for every state that is possible.
 
-What is not known of an input is tried, state by state: a posterior under likelihoods is a weighted
-mean of those under the states, so these bounds are exact.
+What is not known of an input is tried, state by state, so these bounds are exact.
 """
 
 from __future__ import annotations

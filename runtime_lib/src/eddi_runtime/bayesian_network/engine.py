@@ -30,9 +30,8 @@ class NodeSpec(NamedTuple):
 class Part(NamedTuple):
     """A part of a network; no evidence connects it with the others."""
 
-    # its tables or its schedule. Its method ``running`` gives what infers rows that are not
-    # normalised: ``hard`` from states alone, ``soft`` with virtual evidence, ``scaled`` slowly,
-    # but so that none is zero by underflow.
+    # its tables or its schedule; ``running`` gives what infers rows that are not normalised:
+    # ``hard`` from states, ``soft`` with virtual evidence, ``scaled`` so that none underflows
     made: Any
     inputs: tuple[int, ...]  # positions of its observable nodes among those of the program
     # nodes whose rows it gives; empty for the probability of the evidence alone
@@ -71,10 +70,7 @@ class _Inference(NamedTuple):
 
 
 class Engine:
-    """A program with its numbers, or a part of it (``outputs``, ``observable``). Not thread-safe.
-
-    Which observable nodes are observed may differ from step to step. ImportError without numpy.
-    """
+    """A program with its numbers, or a part of it. Not thread-safe; ImportError without numpy."""
 
     def __init__(
         self,
@@ -107,9 +103,7 @@ class Engine:
     def infer(self, states: States, weights: Weights = _NO_WEIGHTS) -> Posteriors | None:
         """Return the posterior of each output, None if the evidence has probability zero.
 
-        Args:
-            states: of each observable node; ``missing`` if not observed, or with virtual evidence.
-            weights: position -> one likelihood per state: finite, not negative, the largest 1.
+        Virtual evidence is a state ``missing``, and likelihoods of which the largest is 1.
         """
         places = self._places
         if places is not None:

@@ -18,9 +18,8 @@ class Explanation(NamedTuple):
     # observed node -> its state, or its likelihoods (the largest is 1)
     evidence: Mapping[str, Known]
     unobserved: tuple[str, ...]  # nodes of which nothing is known
-    # observed node -> total variation distance between the posterior with all evidence and without
-    # that of this node, 0 to 1; the largest over the outputs. Empty if the evidence has
-    # probability zero.
+    # observed node -> largest total variation distance of an output, 0 to 1, between all evidence
+    # and without that of this node; empty if the evidence has probability zero
     relevance: Mapping[str, float]
     facts: Facts  # which inputs are known, and what is accepted for others
     claims: tuple[Claim, ...]  # the result of each threshold

@@ -11,9 +11,8 @@ from .readers import ABSENT, Declaration, Discretiser
 class Hysteresis:
     """Which bin is kept from one value to the next.
 
-    After a gap (the time before the first value is one) it is not known which bin was left, so a
-    value near an edge may belong to either side, until a value is in one bin whatever was before.
-    A value keeps the bin while it is at most ``band`` beyond its near edge.
+    A value keeps the bin while it is at most ``band`` beyond its near edge. After a gap, as before
+    the first value, one near an edge may belong to either side.
     """
 
     def __init__(self, edges: Sequence[float], band: float) -> None:

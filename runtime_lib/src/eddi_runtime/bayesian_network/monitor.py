@@ -10,18 +10,7 @@ from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree, row_tree
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
-from .outputs import (
-    NO_ANSWER,
-    BayesianNetworkOutput,
-    Facts,
-    Known,
-    Methods,
-    Node,
-    NotForeseenError,
-    Outcome,
-    Step,
-)
-from .outputs import Monitor as OfD72
+from .outputs import NO_ANSWER, BayesianNetworkOutput, Node, Outcome
 
 if TYPE_CHECKING:
     from .direct import DirectReader
@@ -42,7 +31,7 @@ class Source(NamedTuple):
     reader: Discretiser | DirectReader
 
 
-class BayesianNetworkMonitor(OfD72, Monitor[Output]):
+class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
     """What the class ``Monitor`` of a compiled network inherits; not thread-safe."""
 
     kind = "bayesian_network"
@@ -64,13 +53,13 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         outputs, observed = {*self.foreseen.outputs}, {*self.foreseen.observable}
         self._judged_only = outputs.difference(self.given)
         if hooks is not None:
-            self._methods = Methods(hooks, self.nodes, virtual=self.virtual)
+            self._methods = out.Methods(hooks, self.nodes, virtual=self.virtual)
             observed |= self._methods.observed
             outputs |= self._methods.outputs
             self._judged_only -= self._methods.outputs
         try:
             self._prepare(outputs, observed)
-        except (ImportError, NotForeseenError) as problem:
+        except (ImportError, out.NotForeseenError) as problem:
             raise ModelError(self.model_id, str(problem)) from None
         self.reset()
 
@@ -79,7 +68,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             source.reader.reset()
         self._good: tuple[Rows, set[int]] | None = None
         self._output_faults, self._source = (), None
-        self._last = Step(self._missing)
+        self._last = out.Step(self._missing)
 
     def sources(self) -> tuple[Source, ...]:
         """Return the declared ways from inputs to nodes, by node, with readers of their own."""
@@ -110,11 +99,11 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
                 try:
                     flagged = {*self.engine.outputs, *answer.outputs}
                     self._prepare(flagged, {*self.engine.observable})
-                except (ImportError, NotForeseenError) as problem:
-                    last = self._last = Step(self._missing)
+                except (ImportError, out.NotForeseenError) as problem:
+                    last = self._last = out.Step(self._missing)
                     last.answer, last.problem = answer, str(problem)
                     return []
-                last = self._last = Step(self._missing)
+                last = self._last = out.Step(self._missing)
                 self._good = None
         states = list(self._missing)
         weights: dict[int, list[float]] = {}
@@ -229,7 +218,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
     def accepted(self) -> tuple[str, ...]:
         return self.facts().accepted
 
-    def facts(self) -> Facts:
+    def facts(self) -> out.Facts:
         """Return which inputs were known in the last step, and what was accepted for others."""
         step, unknown, accepted = self._last, [], []
         undecided: dict[str, tuple[str, ...]] = {}
@@ -258,7 +247,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             accepted.append(f"on_inconsistent: {self.on_inconsistent}")
         failed = step.rows is None or step.problem or step.answer.problems
         valid = not (unknown or undecided or failed)
-        return Facts(valid, tuple(dict.fromkeys(unknown)), undecided, tuple(accepted))
+        return out.Facts(valid, tuple(dict.fromkeys(unknown)), undecided, tuple(accepted))
 
     def faults(self) -> dict[str, str]:
         found: dict[str, str] = {}
@@ -276,7 +265,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         if not reason:
             return Engine(self.nodes, self.foreseen)
         if self.everything is None:
-            raise NotForeseenError(f"{reason}: name it there and run `eddi-scaffold upgrade`")
+            raise out.NotForeseenError(f"{reason}: name it there and run `eddi-scaffold upgrade`")
         return Engine(self.nodes, self.everything, outputs, observed)
 
     def _not_foreseen(self, outputs: Iterable[int], observed: Iterable[int]) -> str:
@@ -313,10 +302,10 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         shown = [(k, self.nodes[one]) for k, one in pairs if one in self.given or one in flagged]
         return [(place, node.id, node.states) for place, node in shown]
 
-    def _evidence(self) -> tuple[dict[str, Known], list[str]]:
+    def _evidence(self) -> tuple[dict[str, out.Known], list[str]]:
         """Return observed node -> its state or likelihoods; and the nodes that are not."""
         nodes, last = [self.nodes[one] for one in self.engine.observable], self._last
-        found: dict[str, Known] = {}
+        found: dict[str, out.Known] = {}
         for position, (node, state) in enumerate(zip(nodes, last.states)):
             if position in last.weights:
                 found[node.id] = tuple(last.weights[position])

@@ -1,7 +1,6 @@
 """What was known in a step of a Bayesian network monitor, and what it gives (D7.2 Fig 18).
 
-Evidence comes as numbers, one per state of a node, and from the methods of D7.2. Virtual evidence
-is a likelihood, P(observation | state) (Pearl 1988, 2.2.2), as in GeNIe.
+Virtual evidence is a likelihood, P(observation | state) (Pearl 1988, 2.2.2), as in GeNIe.
 """
 
 from __future__ import annotations
@@ -236,8 +235,7 @@ class Facts(NamedTuple):
     """What is known about the inputs of a step."""
 
     valid: bool  # all of them are known, and so are the states of their nodes
-    # inputs without a usable value, whatever is accepted in their place; the node where only a
-    # method observes it
+    # inputs without a usable value; the node where only a method observes it
     unknown_inputs: tuple[str, ...]
     # node -> states that it may be in, when there are several; the posterior takes the first
     undecided: Mapping[str, tuple[str, ...]]

@@ -1,21 +1,17 @@
 """Wide parts of a network: arrays in which a node that is observed has no axis.
 
-Which inputs are observed, missing or have likelihoods is a pattern. It comes again, as when a
-sensor fails, so its arrays are made when it comes for the second time, and kept. The order of all
-operations was compiled.
+Which inputs are observed, missing or have likelihoods is a pattern. Its arrays are made when it
+comes for the second time, as when a sensor fails, and kept.
 """
 
 from __future__ import annotations
 
 import math
 from operator import eq, itemgetter
-from typing import TYPE_CHECKING, Any, Callable, Collection, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Collection, Mapping, NamedTuple, Sequence, Tuple
 
 from .engine import Posteriors, States, Weights
 from .schedule import Schedule, Steps
-
-if TYPE_CHECKING:
-    pass
 
 _REMEMBERED = 256  # patterns that are known at most
 _GEMV = 9_000
@@ -94,11 +90,7 @@ class Patterns:
 
 
 class _Arrays:
-    """The arrays of a pattern.
-
-    ``sizes``: of the axis of each node; ``observed``: nodes that have none, as their states select
-    numbers; ``absent``: nodes of which nothing is known.
-    """
+    """The arrays of a pattern: states of ``observed`` nodes select numbers, they have no axis."""
 
     def __init__(
         self, of: Patterns, sizes: Mapping[int, int], observed: Nodes, absent: Nodes

@@ -34,8 +34,7 @@ class Declaration(NamedTuple):
     clamp: bool = False
     allow_inf: bool = False  # infinite values fall into the outermost bin
     hysteresis: float = 0.0  # how far beyond the near edge of the previous bin a value keeps it
-    # when there is no value: ``unobserved``, ``prior``, ``default`` or ``hold``; ``prior`` is
-    # ``unobserved`` by name: thresholds may rest on it
+    # without a value: ``unobserved``, ``prior`` (thresholds rest on it), ``default``, ``hold``
     policy: str = "unobserved"
     # pairs of a value and a state: sentinels and the map; the types must agree, too
     special: tuple[tuple[object, int], ...] = ()
@@ -49,8 +48,7 @@ class Discretiser:
 
     timed = False  # it needs the time
     doubtful = False  # it may leave several states possible
-    # states in which the node may be, if there are several, in spite of the one that was returned
-    # last
+    # states in which the node may be, if there are several
     possible: Sequence[int] = ()
 
     def __init__(self, declaration: Declaration, spec: InputSpec) -> None:
@@ -66,8 +64,7 @@ class Discretiser:
             if number is not None:
                 state = one.order[self._search(self._edges, number)]
             self._default = one.missing if state == ABSENT else state
-        # value, time in nanoseconds -> state; the number of states for "not observed". It may
-        # raise for a hostile value.
+        # value, nanoseconds -> state (their number: not observed); a hostile value may raise
         self.read = self._quick()
 
     def absent(self, now: float) -> int:

@@ -38,8 +38,7 @@ class Schedule(NamedTuple):
     # number -> (numbers of the parents, table of its probabilities), of the whole file
     nodes: Mapping[int, tuple[tuple[int, ...], Rows]]
     messages: tuple[tuple[Any, ...], ...]  # fields of ``arrays.Message``, each behind its parts
-    # the message that gives the row of each output; without outputs, the messages whose product,
-    # summed, is the probability of the evidence
+    # the message with the row of each output; without outputs, those whose product is summed
     answers: tuple[int, ...]
     hard: Steps | None  # for steps without virtual evidence: messages of few inputs are looked up
     full: Steps | None  # for any evidence; None where each observable node is observed

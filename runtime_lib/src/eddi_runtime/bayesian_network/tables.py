@@ -17,8 +17,7 @@ class Table(NamedTuple):
 
     # (position of an input, distance between the rows of its states)
     strides: tuple[tuple[int, int], ...]
-    # one for each case; a state behind those of an input represents "not observed". Empty where
-    # ``total`` gives them.
+    # one for each case, with a state for "not observed"; empty where ``total`` gives them
     rows: Rows = ()
     # vectors of the inputs -> the row, summed over all states; None for a large table
     total: Callable[[Sequence[Sequence[float]]], list[float]] | None = None

@@ -22,10 +22,7 @@ class LeafFilter:
 
 
 class Debounce(LeafFilter):
-    """Loss at once, gain late: TRUE after ``needed`` TRUE samples in a row.
-
-    Before that the last value that was not TRUE holds: a loss of evidence is never delayed.
-    """
+    """Loss at once, gain late: TRUE after ``needed`` TRUE samples in a row."""
 
     def __init__(self, needed: int) -> None:
         self.needed = needed

@@ -1,7 +1,6 @@
 """The sets of a ConSert that has too many of them for ``compiled.py``: searched on the robot.
 
-The trees have no negation, so these are minimal path sets, found by MOCUS (union for Or,
-collection for And, absorption after each step) over sets as bits of whole numbers.
+They are minimal path sets, found by MOCUS (with absorption after each step) over bits of numbers.
 """
 
 from __future__ import annotations
@@ -29,8 +28,7 @@ class Graph:
     """The gates of a ConSert. Nodes have numbers: first the inputs, then gates and guarantees.
 
     The bit of a leaf is the higher the earlier its id sorts, so among sets of equal size the
-    larger number is the one whose ids come first. ``nodes``: (id, ``And`` or ``Or``, what it
-    reads), which come first.
+    larger number is the one whose ids come first.
     """
 
     def __init__(
@@ -80,8 +78,7 @@ class Search(Sets):
     def value(self, one: Guarantee) -> int:
         return self._values[one.node]
 
-    # Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that all
-    # of its TRUE inputs fall with.
+    # Exact: an And falls with any of its inputs, an Or with what all of its TRUE inputs fall with.
     def single_losses(self, one: Guarantee) -> Group:
         critical: dict[int, int] = {}
         for k in self._gates_below(one.node):

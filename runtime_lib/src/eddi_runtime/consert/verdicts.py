@@ -119,14 +119,11 @@ class Explanation(NamedTuple):
     guarantee: str  # id as in the model
     active: bool  # it is active
     verdict: str  # ``TRUE``, ``UNKNOWN`` or ``FALSE``
-    # inactive: each minimal set of inputs that are not TRUE now and that would activate it by
-    # becoming TRUE, by size, then by ids. Empty when nothing can.
+    # inactive: each minimal set of inputs that would activate it by becoming TRUE
     missing: tuple[Group, ...]
     single_losses: Group  # active: each input whose loss alone would deactivate it, by id
     reasons: Mapping[str, Reason]  # for each input in ``missing``, why it is not TRUE
-    # there are more sets than are listed; the listed ones suffice but one may then be larger than
-    # needed
-    truncated: bool
+    truncated: bool  # there are more sets, and a listed one may be larger than needed
     # each input that rests on the words of other robots, with their names
     robots: Mapping[str, tuple[str, ...]] = {}
 

@@ -10,22 +10,8 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence
 from ..inputs import UNKNOWN_AGE, EDDIInputBase
 from ..monitor import Monitor, Tree, __version__
 from ..plain_values import is_nan, one_line, read
-from .report import (
-    FRESH,
-    INVALID,
-    LATCHED,
-    NEVER,
-    OK,
-    WAITING,
-    GraphFact,
-    InputFact,
-    MonitorFact,
-    NodeFact,
-    Report,
-    SourceFact,
-    level_of,
-    report,
-)
+from . import report
+from .report import FRESH, INVALID, LATCHED, NEVER, OK, WAITING, GraphFact, Report
 from .start import LOG, Waker
 from .topics import Receipt
 
@@ -46,10 +32,7 @@ class _Seen(NamedTuple):
 
 
 class Health:
-    """What the loop notes after each step and the diagnostics thread reads.
-
-    Whole values are replaced and never changed in place, so no lock is needed.
-    """
+    """What the loop notes after each step and the thread of the diagnostics reads."""
 
     def __init__(
         self, monitor: Monitor[Any], eddi_input: EDDIInputBase, period: float, grace: float
@@ -60,7 +43,7 @@ class Health:
         self._last_step = time.monotonic()
         self._first_step: float | None = None
         self._seen = _Seen(self._last_step)
-        self._known = MonitorFact()
+        self._known = report.MonitorFact()
         self._kinds: Sequence[str] = ()  # states of the inputs when the monitor was asked
         self._asked_at = -_REFRESH_S
         self._changes = Changes()
@@ -93,10 +76,10 @@ class Health:
             pairs, core = zip(self._inputs, kinds), self._monitor
             unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
             facts = tuple(core.standings()), tuple(core.accepted()), dict(core.blocked(unknown))
-            self._known = MonitorFact(*facts, tuple(core.doubts()))
+            self._known = report.MonitorFact(*facts, tuple(core.doubts()))
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
-        self._level = level_of(kinds, error, self._known.accepted + self._known.doubts)
+        self._level = report.level_of(kinds, error, self._known.accepted + self._known.doubts)
         return self._level != before
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
@@ -152,7 +135,7 @@ class Health:
             here = [receipts[name] for name in spec.requires if name in receipts]
             complete = len(here) == len(spec.requires)
             named = [(name, topics.get(name, name)) for name in spec.requires]
-            fact = InputFact(
+            fact = report.InputFact(
                 id=spec.id,
                 state=state,
                 reason=reason,
@@ -161,17 +144,21 @@ class Health:
                 errors=self._errors.get(spec.id, 0),
                 blocks=tuple(known.blocks.get(spec.id, ())) if state != FRESH else (),
                 limit=spec.max_age,
-                sources=tuple(SourceFact(t, then.get(n), reasons.get(t, "")) for n, t in named),
+                sources=tuple(
+                    report.SourceFact(t, then.get(n), reasons.get(t, "")) for n, t in named
+                ),
             )
             facts.append(fact)
         silent = now - self._last_step
         silent_for = silent if silent > max(1.0, 3 * self._period) else None
         recent, longest = overruns - self._reported_overruns, self._longest
-        node = NodeFact(self._steps, overruns, recent, longest, seen.error, graph, silent_for)
+        node = report.NodeFact(
+            self._steps, overruns, recent, longest, seen.error, graph, silent_for
+        )
         if periodic:
             self._reported_overruns = overruns
         identity = {"model_digest": self._monitor.digest, "runtime_version": __version__}
-        return report(identity, facts, known, node)
+        return report.report(identity, facts, known, node)
 
 
 def diagnostics_tree(statuses: Sequence[Report], level: Callable[[int], object] = int) -> Tree:
@@ -185,14 +172,11 @@ def diagnostics_tree(statuses: Sequence[Report], level: Callable[[int], object] 
 
 
 Collect = Callable[[bool], Report]
-"""Returns the report of one monitor; ``True`` as argument for the periodic one."""
+"""Returns the report of one monitor; ``True``: the periodic one."""
 
 
 class Diagnostics:
-    """A thread that reports monitors, also those that are slower than 1 Hz, or hang.
-
-    Once a second all monitors of the process, and at once those with a new level.
-    """
+    """A thread that reports all monitors once a second, and at once those with a new level."""
 
     def __init__(self, publish: Callable[[list[Report]], None]) -> None:
         self._publish = publish

@@ -1,7 +1,7 @@
 """A node of which others say when it monitors: what its states mean, on any transport.
 
-Configured, it has its publishers. Active, it listens and steps, as a monitor that knows nothing of
-before; the last that it publishes is that nothing is known, so whoever comes later hears no more.
+Configured, it has its publishers. Active, it listens and steps, and knows nothing of before; the
+last that it publishes is that nothing is known.
 """
 
 from __future__ import annotations
@@ -16,14 +16,7 @@ _STEP_S = 5.0  # a step that takes longer is left behind when the node is deacti
 
 
 class LifeCycle:
-    """Which monitor there is, and whether it steps.
-
-    Transitions are those of the transport's thread, one at a time; steps are in the thread of
-    ``run``.
-
-    ``place``: the process on a transport: ``until`` an end, ``start`` to receive,
-    ``stop_listening``, ``stop_publishing``; ``make``: returns a node that knows nothing.
-    """
+    """Which monitor there is; ``run`` steps it in a thread of its own, beside the transitions."""
 
     def __init__(self, place: Any, make: Callable[[], Any]) -> None:
         self._place, self._make = place, make

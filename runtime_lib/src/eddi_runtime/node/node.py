@@ -58,8 +58,7 @@ class Node:
     # ``rate``, or ``on_change``: a message starts a step at once, and the node still steps at the
     # frequency, because otherwise nothing would ever become stale
     MODE: ClassVar[str] = "rate"
-    # seconds from the start in which an input may wait for its first message before the
-    # diagnostics call that an error; the parameter ``startup_grace`` wins
+    # seconds in which an input may wait for its first message; ``startup_grace`` wins
     STARTUP_GRACE: ClassVar[float] = STARTUP_GRACE_S
     INPUTS: ClassVar[Sequence[Input]] = ()  # what to subscribe to
     OUTPUTS: ClassVar[Sequence[Output]] = ()  # what to publish

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import traceback
-from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 from .. import inputs
@@ -37,9 +34,14 @@ class EDDIInputBase(inputs.EDDIInputBase):
         required = {name for spec in self.__specs.values() for name in spec.requires}
         good = [spec for name, spec in self.__specs.items() if received[name].state == "ok"]
         fresh = {name for spec in good for name in spec.requires}
-        problem = self.__process(
-            {k: v for k, v in simulator_outputs.items() if k in fresh or k not in required}
-        )
+        messages = {k: v for k, v in simulator_outputs.items() if k in fresh or k not in required}
+        problem = None
+        for spec in self.__specs.values():
+            setattr(self.__given, spec.attribute, None)
+        try:
+            self.__given.processing(messages)
+        except Exception as error:  # noqa: BLE001 - whatever a person's method raises
+            problem = invalid(error, None)
         new = self.__arrived if self.__new is None else [k for k, v in self.__new.items() if v]
         for name, spec in self.__specs.items():
             state, value = problem or received[name], None
@@ -52,18 +54,3 @@ class EDDIInputBase(inputs.EDDIInputBase):
 
                     value = Messages()
             self.__leave(name, state, value)
-
-    def __process(self, messages: Mapping[str, object]) -> InputState | None:
-        """Return the state of every input where ``processing`` raises."""
-        for spec in self.__specs.values():
-            setattr(self.__given, spec.attribute, None)
-        try:
-            self.__given.processing(messages)
-        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            file = getattr(sys.modules.get(type(self.__given).__module__), "__file__", "")
-            calls = traceback.extract_tb(problem.__traceback__)
-            last = ([call for call in calls if call.filename == file] or calls)[-1]
-            state = invalid(problem, None)
-            where = f"{Path(last.filename).name} line {last.lineno}"
-            return state._replace(reason=f"{state.reason} in {where}")
-        return None

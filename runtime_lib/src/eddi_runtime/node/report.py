@@ -1,7 +1,4 @@
-"""Diagnostics of one monitor: pure functions from facts to levels and messages.
-
-"Fresh" and "up to date" refer to when a message came, "satisfied" only to evidence.
-"""
+"""Diagnostics of one monitor: pure functions from facts to levels and messages."""
 
 from __future__ import annotations
 
@@ -194,22 +191,12 @@ def fault(
     age: float | None = None,
     *,
     unreadable: bool = False,
-    refused: str = "",
+    refused: str = "",  # what of a publication does not fit how this node reads it
     connected: bool = True,
     alive: bool | None = True,
     deadline: float | None = None,
 ) -> str:
-    """Return why nothing comes although a topic is published with the right type.
-
-    Args:
-        expected: that type, as ROS 1 writes it.
-        age: of the last message in seconds, ``None`` before the first.
-        unreadable: what came last has the name of the type, and another content.
-        refused: what of a publication does not fit how this node reads, empty when all does.
-        connected: this node listens to one of them.
-        alive: one of them gives a sign of life; ``None`` where that cannot be known.
-        deadline: seconds between two messages that a publication promises, if it does.
-    """
+    """Return why nothing comes although a topic is published with the right type."""
     if unreadable:
         return f"what is sent there is not {expected}, although it is called so"
     if not connected and refused:

@@ -1,7 +1,6 @@
 """A node from its settings to its end: what cannot work ends before others see it.
 
-Only the monotonic clock counts for steps: ``rospy.Rate`` sleeps forever under simulated time
-without ``/clock``, and raises when that jumps back.
+Only the monotonic clock counts for steps: timers of ROS sleep for ever without ``/clock``.
 """
 
 from __future__ import annotations
@@ -19,8 +18,6 @@ from functools import partial
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
 from ..monitor import ModelError
-
-__all__ = ["FREQUENCIES", "LOG", "Settings", "StartError", "installed", "reported", "settings"]
 
 _ADVICE = "run `eddi-scaffold upgrade` or `copier recopy --trust --force` in the package"
 
@@ -142,13 +139,10 @@ def settings(
 
 
 class Waker:
-    """Lets the loop sleep until a deadline or until somebody wakes it.
-
-    A lock as a binary semaphore: a signal handler must be able to wake a loop in its own thread,
-    where ``threading.Event.set`` may deadlock.
-    """
+    """Lets the loop sleep until a deadline or until somebody wakes it."""
 
     def __init__(self) -> None:
+        # A signal handler may wake its own thread, where ``threading.Event.set`` may deadlock.
         self._signal = threading.Lock()
         self._signal.acquire()
 
@@ -166,10 +160,7 @@ class Waker:
 
 
 class Schedule:
-    """The grid of steps: one per period, late ones are counted and not made up.
-
-    ``on_change``: steps may also come early; then the period counts from the last step.
-    """
+    """The grid of steps: one per period, late ones are counted and not made up."""
 
     def __init__(self, period: float, on_change: bool) -> None:
         self.period = period
@@ -187,6 +178,7 @@ class Schedule:
 
     def stepped(self, started: float, now: float) -> None:
         """Note a finished step that began at ``started`` (monotonic seconds)."""
+        # where steps may come early, the period counts from the last one
         following = started + self.period if self._on_change else self._due + self.period
         if following <= now:
             missed = int((now - following) / self.period) + 1
@@ -204,10 +196,7 @@ Writers = Mapping[str, Callable[..., None]]
 
 
 class Log:
-    """Keeps lines until its own thread has written them, so that no transport can stop a monitor.
-
-    The oldest lines are dropped when it hangs.
-    """
+    """Keeps lines until its own thread has written them, so that no transport stops a monitor."""
 
     def __init__(self) -> None:
         self.named = False  # lines begin with the name of their thread: it is that of a monitor

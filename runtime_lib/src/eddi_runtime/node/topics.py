@@ -29,8 +29,7 @@ class Input(NamedTuple):
     id: str  # name under which ``EDDIInput.processing`` finds the message
     topic: str  # absolute or relative name; remapping and namespaces apply
     type: Any  # message class of the transport
-    # receive buffer. rospy hands out old messages when a message is larger than the buffer, so it
-    # must be raised for images and point clouds.
+    # rospy hands out old messages when a message is larger, such as an image
     buffer_bytes: int = DEFAULT_BUFFER_BYTES
     every_message: bool = False  # no message is skipped: those between two steps are queued
     # what of the quality of service is otherwise than usual, where the transport has one
@@ -43,10 +42,8 @@ class Input(NamedTuple):
 
 
 def reading_qos(requested: Mapping[str, Any], depth: int) -> dict[str, Any]:
-    """Return how evidence is read: as sensor data, so that every publisher fits.
-
-    What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
-    """
+    """Return how evidence is read: as sensor data, so that every publisher fits."""
+    # What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
     kept = requested.get("durability") == "transient_local"
     reliability = "reliable" if kept else "best_effort"
     return {"reliability": reliability, "durability": "volatile", "depth": depth, **requested}
@@ -64,8 +61,7 @@ class Receipt(NamedTuple):
     message: object  # the message, as the transport hands it out
     at: float  # monotonic seconds of receipt
     received: int  # messages so far
-    # how old it was then, in seconds; ``UNKNOWN_AGE`` when it came on connecting from a latching
-    # publisher, and no header says when it was made
+    # how old it was then, in seconds; ``UNKNOWN_AGE`` when it was latched, without a header
     age: float = 0.0
 
     def age_at(self, now: float) -> float:
@@ -74,10 +70,7 @@ class Receipt(NamedTuple):
 
 
 class Receipts:
-    """What a transport hands over in its own threads; all conversion happens in the loop.
-
-    ``arrived`` is called after every message (``on_change`` wakes the loop here).
-    """
+    """What a transport hands over in its own threads; ``arrived`` is called for each message."""
 
     def __init__(self, sources: Collection[Input], arrived: Callable[[], None]) -> None:
         self._lock = threading.Lock()
@@ -189,7 +182,8 @@ _EXACT = {"bool": bool, "string": str}
 
 
 Fields = Callable[[Any], Iterable[Tuple[str, str]]]
-TypeName = Callable[[Any], str]
+"""Class of a message -> its fields, each with its type as a ``.msg`` file spells it."""
+TypeName = Callable[[Any], str]  # message or class -> ``package/Name``
 
 
 class MessageError(TypeError):
@@ -197,14 +191,7 @@ class MessageError(TypeError):
 
 
 class Converter:
-    """Turns ``("Name", {field: value})`` into messages of one message package.
-
-    Args:
-        module: holds the classes by name (``eddi_messages.msg``).
-        fields: class -> its fields, each with its type as a ``.msg`` file spells it.
-        type_name: message or class -> ``package/Name``.
-        stamp: returns the present time for a header.
-    """
+    """Turns ``("Name", {field: value})`` into messages of a module with their classes."""
 
     def __init__(
         self, module: ModuleType, fields: Fields, type_name: TypeName, stamp: Callable[[], object]
@@ -306,13 +293,11 @@ class Output(NamedTuple):
     type: Any  # message class of the transport
     status_topic: str | None = None  # topic of the facts behind the result, ``None`` for none
     status_type: Any = None  # its message class (with a header), ``None`` for none
-    # place of the value that is published alone, as ``data`` of a message of std_msgs: names of
-    # fields, positions and ``("id", id)``; empty: the whole message
+    # path to the value that is published alone, as ``data`` of std_msgs; empty: the message
     field: tuple[Step, ...] = ()
     # id of the one message, of several in a step, that goes here; ``None``: all
     only: str | None = None
-    # which message of the monitor: empty for the result, else the name of one beside it
-    # (``evidence``), which the monitor's ``evidence_message()`` gives
+    # empty for the result; ``evidence`` is what ``evidence_message()`` of the monitor gives
     of: str = ""
     qos: Mapping[str, str | float] = {}  # as of an input
 

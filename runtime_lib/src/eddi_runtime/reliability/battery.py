@@ -1,7 +1,4 @@
-"""A battery whose level of charge in percent, and temperature, are observed.
-
-Source: SafeDrones (Aslansefat et al. 2022): bands of charge, each in use and in recovery.
-"""
+"""A battery in bands of charge, in use and in recovery (SafeDrones, Aslansefat et al. 2022)."""
 
 from __future__ import annotations
 
@@ -27,14 +24,8 @@ class Battery(Component):
     Its memory is the band: a known level leaves one state possible, an unknown one all from the
     last band down, until a level comes that is not ignored.
 
-    Args:
-        level: id of the input, percent.
-        arcs: of the chain B4, C4, B3, C3, B2, C2, Empty, F: (from, to, rate in 1/h).
-        lives: mean hours to failure from each state.
-        longest: hours, the longest horizon that is usual.
-        repair: the level may rise again.
-        heat: how temperature ages it; None: not at all.
-        temperature: id of the input, degC.
+    ``level`` and ``temperature`` are ids of inputs (percent, degC); ``arcs`` those of the chain
+    B4, C4, B3, C3, B2, C2, Empty, F with rates in 1/h; ``lives``, ``longest`` (horizon) in hours.
     """
 
     def __init__(
@@ -105,8 +96,7 @@ class Battery(Component):
 class FreeHorizon:
     """Failed and alive after a time that only the step knows: uniformisation (Jensen 1953).
 
-    What may happen in so and so many jumps is found here once; a step weights it with a Poisson
-    distribution. ``longest``: hours, the longest time that is usual.
+    What happens in so many jumps is found once; a step weights it. ``longest``: hours, as usual.
     """
 
     def __init__(self, arcs: Sequence[tuple[int, int, float]], longest: float) -> None:

@@ -154,10 +154,7 @@ def _squared(power: np.ndarray, *, whole: bool = True) -> np.ndarray:
 
 
 def propagator(q: np.ndarray, hours: float) -> np.ndarray:
-    """Return exp(q hours) by Horner in a non-negative matrix and squarings.
-
-    Rows sum to one by construction; each entry keeps its relative accuracy, however small it is.
-    """
+    """Return exp(q hours) by Horner and squarings; each entry keeps its relative accuracy."""
     fastest = float(-q.diagonal().min(initial=0.0))
     size = len(q)
     if fastest * hours <= 0.0:
@@ -178,11 +175,7 @@ def propagator(q: np.ndarray, hours: float) -> np.ndarray:
 
 
 def mean_times(rates: np.ndarray, fail: frozenset[int], endless: Sequence[int]) -> np.ndarray:
-    """Return the mean hours to failure from each state: no rate loses digits by subtraction.
-
-    ``rates``: from row to column, 1/h, nothing on the diagonal; ``fail``: states without arcs;
-    ``endless``: from which failure is not certain.
-    """
+    """Return the mean hours to failure from each state; ``endless``: failure is not certain."""
     rates = rates.copy()
     tau = np.full(len(rates), math.inf)
     ends = sorted(fail)

@@ -31,8 +31,7 @@ class Arrhenius(NamedTuple):
 class Limit:
     """The range of an input up to a declared limit, which a sensor may be seen to contradict.
 
-    A value above the limit is not believed; but neither is the limit then: until the next value
-    that is believed, the input may be as large as what was seen.
+    A value above it is not believed, but the input may be as large until one is believed.
     """
 
     def __init__(self, name: str, largest: float, shown: str) -> None:

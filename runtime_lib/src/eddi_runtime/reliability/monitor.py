@@ -82,15 +82,17 @@ class Reliability(Monitor[ReliabilityResult]):
         self._last = self._quanta = self._base = 0
         self._faults: dict[str, str] = {}
         self._taken: Mapping[str, Taken] = {}
-        self._result = ReliabilityResult(
-            valid=False, p_fail=1.0, p_fail_low=0.0, p_fail_high=1.0, reliability=0.0, mttf=NAN,
-            horizon=self.horizon, evidence={}, unknown=(), reason="not started",
-            contributions={},
-        )  # fmt: skip
+        self._result = self._nothing("not started")._replace(evidence={})
         for component in self.components.values():
             component.reset()
         for one in self._evidence:
             one.reset()
+
+    def _nothing(self, reason: str) -> ReliabilityResult:
+        """Return the worst case."""
+        off = {one.id: False for one in self._evidence}
+        numbers = (False, 1.0, 0.0, 1.0, 0.0, NAN, self.horizon)
+        return ReliabilityResult(*numbers, off, (), reason, {})
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> ReliabilityResult:
         """Let time pass, take the observations, look ahead; never raises.
@@ -193,12 +195,8 @@ class Reliability(Monitor[ReliabilityResult]):
             dict(faults),
             tuple(share for share in shares if share[0] != self.top or len(shares) == 1),
             self.importances() if result.contributions else (),
-            self.latched(),
+            {name: one.latched for name, one in self.components.items() if one.latched},
         )
-
-    def latched(self) -> dict[str, int]:
-        """Return model -> how often a claim was ignored that something failed works again."""
-        return {name: one.latched for name, one in self.components.items() if one.latched}
 
     def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
         return {
@@ -216,13 +214,9 @@ class Reliability(Monitor[ReliabilityResult]):
         return {"valid": output.valid, **output.evidence}
 
     def message(self, output: object) -> Tree:
-        given = output if isinstance(output, ReliabilityResult) else None
-        if given is None:  # the worst case
-            given = self._result._replace(
-                valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0,
-                mttf=NAN, evidence={judge.id: False for judge in self._evidence},
-                reason="the output is no result of this monitor",
-            )  # fmt: skip
+        given = self._nothing("the output is no result of this monitor")
+        if isinstance(output, ReliabilityResult):
+            given = output
         # what may hold although it is not active
         open_ = [one.id for one in self._evidence if one.possible and not one.active]
         pairs = given.evidence.items()

@@ -13,10 +13,9 @@ from .component import AGAIN, Component, Estimate, Known, Moment, Values, reader
 class Missed:
     """The beliefs that a chain may have since an observation of it was missed.
 
-    Each completion of what was missed gives a belief of its own; their mixture, the belief without
-    that observation, is too optimistic where the worst one is true. So several are followed, of
-    which all that are possible are mixtures: a probability of failure given later observations is
-    a ratio of two linear functions of the belief, so the largest one is that of one of these.
+    Each completion of what was missed gives a belief of its own. Several are followed, of which
+    all possible ones are mixtures: a probability of failure given later observations is a ratio
+    of two linear functions of the belief, so the largest one is that of one of these.
     """
 
     def __init__(self, chain: Chain, *, lost: bool, repair: bool) -> None:
@@ -92,11 +91,7 @@ _LARGEST = 64
 
 
 class MarkovChain(Component):
-    """A chain of the user's own, observed through verdicts that a state holds.
-
-    ``observe``: (state, input id, negated): the verdict F excludes the state. ``repair``: after it
-    was seen to have failed it may work again.
-    """
+    """A chain of the user's own; ``observe``: (state, input id, negated), F excludes the state."""
 
     def __init__(
         self,

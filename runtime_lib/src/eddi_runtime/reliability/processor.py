@@ -13,13 +13,7 @@ _LARGEST_STRESS = 1e300
 class Processor(Component):
     """Cumulative exposure, of which the law of Weibull makes a hazard.
 
-    Args:
-        mean: hours to failure at reference conditions.
-        shape: of the law of Weibull.
-        age: hours at reference conditions before the start.
-        heat: how temperature ages it.
-        temperature: id of the input, degC.
-        load: id of the input and its declared limit, None for always one.
+    ``mean`` and ``age`` in hours at reference conditions; ``load``: id of its input and its limit.
     """
 
     def __init__(

@@ -1,20 +1,13 @@
-"""Rotors whose motors are known to work or not.
-
-Sources: SafeDrones (Aslansefat et al. 2022), and the paper of 2019 on multirotor reliability by
-the same group; motors are numbered as in the name, from 0.
-"""
+"""Rotors whose motors are known to work or not (SafeDrones, Aslansefat et al. 2019 and 2022)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Sequence
 
 from .component import Component, Estimate, Known, Moment, Values, reader
 
 if TYPE_CHECKING:  # only where the mission's end is an input
-    from .chain import Chain
-
-Row = Tuple[float, float, float]
-"""Of a state: failed within the horizon, alive all the time, mean life in hours."""
+    from .chain import Chain, Row
 
 
 class Rows:
@@ -30,11 +23,8 @@ class Rows:
 class Propulsion(Component):
     """The statuses leave one state, or several where one is not known: the worst counts.
 
-    Args:
-        chain: what lies ahead of sets of failed motors; the last state is the loss of the frame.
-        sets: the failed motors in each of the other states, by their place in the configuration.
-        inputs: for each place the input of its motor and, for a list, the position in it.
-        repair: a failed motor may work again.
+    ``chain``: what lies ahead of each of the ``sets`` of failed motors, and of the loss of the
+    frame behind them; ``inputs``: of each motor, with the position in a list.
     """
 
     _last: tuple[Any, ...] | None

@@ -34,8 +34,7 @@ class FaultTree(Component):
     # (event that stands for a dynamic gate, chain over the orders of occurrence)
     orders: tuple[tuple[int, type[Chain]], ...] = ()
     repair = False  # an event that has happened may be undone
-    # the diagram, the top event is the last one; empty where it is not needed beside the sums that
-    # are written out
+    # the diagram, the top event last; empty where sums that are written out are enough
     modules: tuple[Module, ...] = ()
     # (age, horizon) -> the probability of each event, those without a formula being 0. An event
     # that is observed not to have happened counts from now on only.
@@ -53,8 +52,7 @@ class FaultTree(Component):
     def interval(self, low: Sequence[float], high: Sequence[float]) -> tuple[float, float]:
         """Return bounds of the top event's probability for events in [low, high].
 
-        Exact for coherent trees, and where the only intervals are [0, 1] of events that come first
-        in the order; an outer bound in any case.
+        Exact for coherent trees, and where only the first events in the order are [0, 1].
         """
         if self.grows:  # monotone: the corners are the bounds
             return self.failure(low), self.failure(high)

@@ -56,9 +56,7 @@ def rounded(values: Array, *, single: bool) -> Array:
 class Table(NamedTuple):
     """A file of doubles, least significant byte first, one row after the other."""
 
-    # ``__spec__`` of the compiled monitor, beside which the file lies: whatever has loaded the
-    # monitor also loads the file, from the source tree as from an archive
-    spec: Any
+    spec: Any  # ``__spec__`` of the compiled monitor: what has loaded that also loads the file
     file: str  # its name
     sha256: str  # of its bytes
     shape: tuple[int, int]  # numbers of rows and columns
@@ -135,12 +133,8 @@ class Taken(NamedTuple):
 def take(value: object, features: int, *, single: bool) -> Taken:
     """Read samples of ``features`` numbers out of any value, count invalid ones; never raises.
 
-    Args:
-        value: the messages since the last step, or a list of lists, one message each; or one
-            message: numbers (d,), an array (r, d), a message of ``std_msgs`` with ``layout`` and
-            ``data``, bytes. Booleans are no numbers, and a list in a list is no message.
-        features: d.
-        single: round to float32.
+    It is ``Messages``, a list of lists, or one message: numbers (d,), an array (r, d), one with
+    ``layout`` and ``data``, bytes. Booleans are no numbers, and a list in a list is no message.
     """
     taken = Taken([], [])
     faults: list[str] = []
@@ -226,10 +220,9 @@ def _sort_out(found: Array, features: int, taken: Taken, faults: list[str]) -> N
 class Axes:
     """Principal axes of some rows: the means, the divisors, and the axes by falling variance.
 
-    The generator prepares references and thresholds with this code, and projections of the
-    reference are found by the machine that compares, one by one: an equal row becomes equal
-    numbers to the last bit. ``floor``: length up to which what the axes leave out counts as 0;
-    None: it is not tested.
+    Projections of the reference are found by the machine that compares, one by one: an equal row
+    becomes equal numbers to the last bit. ``floor``: length up to which what the axes leave out
+    counts as 0; None: it is not tested.
     """
 
     def __init__(self, numbers: Numbers, floor: float | None = None) -> None:

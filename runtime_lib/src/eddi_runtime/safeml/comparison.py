@@ -3,8 +3,7 @@
 F (reference, n values) and G (window, m values) count what is <= a point. This holds with ties
 too, so that equal samples have distance 0, also where sensors give few different values. For each
 value of a window, *lower* is how many reference values are below it and *upper* how many are not
-above it. Nothing here looks at the reference itself: a step costs the same for a long one.
-Notation: K tests, N = n + m, b = 1..m. Each statistic is a function of
+above it. Notation: K tests, N = n + m, b = 1..m. Each statistic is a function of
 
 - lower: whole numbers (..., K, m), in any order along m;
 - upper: the same shape; ``None`` when no window value is in the reference;
@@ -215,8 +214,7 @@ class Kolmogorov:
 class Interpolated:
     """A law by its critical values: the logarithm of the level is linear between them.
 
-    ``points``: (critical value, level), ascending; none: every probability is 1. ``slope``: growth
-    of the critical value per unit of -ln(level) beyond the last one.
+    ``slope``: growth of the critical value per unit of -ln(level) beyond the last of the points.
     """
 
     def __init__(self, points: Sequence[tuple[float, float]], slope: float) -> None:
@@ -283,11 +281,7 @@ _Ranks = Tuple[Array, Array, int]
 
 
 class Window:
-    """The last ``m`` values of each test, as ranks that are kept up to date.
-
-    A value is looked up in the reference once, when it comes. Whole numbers and values are
-    replaced as a whole: nothing is added up over time, so nothing drifts.
-    """
+    """The last ``m`` values of each test, as ranks; nothing is added up, so nothing drifts."""
 
     def __init__(self, comparison: Comparison) -> None:
         self._comparison = comparison

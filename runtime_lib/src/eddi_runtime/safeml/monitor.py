@@ -29,13 +29,11 @@ class SafeMLResult(NamedTuple):
     threshold: float  # from which on it is a violation
     threshold_theoretical: float  # the same for independent samples
     component: int  # index of the test with the largest distance; -1 while ``omission``
-    # bound on its probability in all tests, asymptotic and for independent samples: for
-    # information only
+    # bound on its probability in all tests, asymptotic and for independent samples
     p_value_bound: float
     accepted: int  # samples so far that could be used
     rejected: int  # samples so far that could not
-    # of the omission: ``filling``, ``empty``, ``not_finite``, ``wrong_length`` or ``stale``; empty
-    # when there is a verdict
+    # of the omission: ``filling``, ``empty``, ``not_finite``, ``wrong_length`` or ``stale``
     reason: str = ""
 
 

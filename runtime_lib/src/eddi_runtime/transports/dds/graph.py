@@ -14,16 +14,8 @@ import time
 from types import SimpleNamespace
 from typing import Any, Callable, Mapping, NamedTuple
 
+from cyclonedds import core
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
-from cyclonedds.core import (
-    DDSException,
-    GuardCondition,
-    InstanceState,
-    ReadCondition,
-    SampleState,
-    ViewState,
-    WaitSet,
-)
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.pub import DataWriter, Publisher
 from cyclonedds.qos import Policy, Qos
@@ -43,7 +35,7 @@ _BATCH = 100
 _MANY = 100_000
 _WAIT = duration(milliseconds=200)
 _GID_BYTES = {"humble": 24}
-_ANY = ViewState.Any | InstanceState.Any | SampleState.Any
+_ANY = core.ViewState.Any | core.InstanceState.Any | core.SampleState.Any
 _RELIABILITIES = {
     "reliable": Policy.Reliability.Reliable(duration(milliseconds=100)),
     "best_effort": Policy.Reliability.BestEffort,
@@ -120,8 +112,7 @@ def participant_of(domain: int, qos: Qos | None = None) -> Any:
 class Graph:
     """A participant that is a node of ROS 2; StartError where there is no domain, or no network.
 
-    ``distro``: up to Humble, identities on the graph are longer. ``partition``: in which topics
-    are read and written, empty for that of ROS 2.
+    ``distro``: up to Humble, identities are longer. ``partition``: of topics, empty for ROS 2's.
     """
 
     def __init__(
@@ -129,7 +120,7 @@ class Graph:
     ) -> None:
         try:
             participant = participant_of(domain, Qos(Policy.Userdata(b"enclave=/;")))
-        except DDSException as error:
+        except core.DDSException as error:
             raise StartError(f"no participant in domain {domain}: {error}") from error
         self._participant: Any = participant
         self._node = (namespace, name)
@@ -140,9 +131,10 @@ class Graph:
         self._writers: dict[str, Any] = {}
         self._readers: dict[str, Reader] = {}
         self._known: Any = BuiltinDataReader(participant, BuiltinTopicDcpsPublication)
-        gone = InstanceState.NotAliveDisposed | InstanceState.NotAliveNoWriters
-        self._gone = ReadCondition(self._known, ViewState.Any | SampleState.Any | gone)
-        self._guard = GuardCondition(participant)
+        gone = core.InstanceState.NotAliveDisposed | core.InstanceState.NotAliveNoWriters
+        gone |= core.ViewState.Any | core.SampleState.Any
+        self._gone = core.ReadCondition(self._known, gone)
+        self._guard = core.GuardCondition(participant)
         self._stopped = False
         self._use = threading.Lock()
         """Held while something asks DDS: what is asked must not be deleted meanwhile."""
@@ -192,8 +184,8 @@ class Graph:
         return made
 
     def _run(self) -> None:
-        waiting = WaitSet(self._participant)
-        conditions = [ReadCondition(reader.reader, _ANY) for reader in self._readers.values()]
+        waiting = core.WaitSet(self._participant)
+        conditions = [core.ReadCondition(reader.reader, _ANY) for reader in self._readers.values()]
         for condition in (*conditions, self._guard):
             waiting.attach(condition)
         while not self._stopped:
@@ -209,16 +201,13 @@ class Graph:
                 return []
             self._known.take(_MANY, self._gone)  # else the dead are kept, and look like the living
             seen = self._known.read(_MANY)
-        alive = [one for one in seen if one.sample_info.instance_state == InstanceState.Alive]
+        alive = [one for one in seen if one.sample_info.instance_state == core.InstanceState.Alive]
         names = [one.topic_name[len(_PREFIX) :] for one in alive]
         pairs = [(one, name) for one, name in zip(alive, names) if name.startswith("/")]
         return [Publication(name, one.type_name, _deadline(one.qos)) for one, name in pairs]
 
     def listening(self, topic: str) -> tuple[bool, bool, str]:
-        """Return whether a publication is listened to, and gives signs, and what of one is unfit.
-
-        The last is a quality of service, empty when all fits.
-        """
+        """Return whether a publication is listened to, whether it lives, and what is unfit."""
         with self._use:
             if self._stopped:
                 return False, False, ""
@@ -234,7 +223,7 @@ class Graph:
         """Leave the graph: all is deleted in order, so that no thread of DDS meets a ghost."""
         with self._use:  # who asks now has its answer first; who asks later has none
             self._stopped = True
-        with contextlib.suppress(DDSException, RuntimeError):
+        with contextlib.suppress(core.DDSException, RuntimeError):
             self._guard.set(True)
             self._thread.join()
         with contextlib.suppress(Exception):

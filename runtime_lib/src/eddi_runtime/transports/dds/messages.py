@@ -63,9 +63,8 @@ def message_classes(
 ) -> SimpleNamespace:
     """Return the classes of messages by name: ``std_msgs_Bool``.
 
-    Each has ``TYPE`` (``package/Name``), ``HASH``, ``FIELDS`` (field -> type) and ``MAKERS``
-    (field -> makes its first value). Definitions are ``type field, type field``, used ones first;
-    hashes are those of ROS 2 since Iron.
+    ``MAKERS`` of a class: field -> makes its first value. Definitions are ``type field, type
+    field``, used ones first; hashes are those of ROS 2 since Iron.
     """
     made: dict[str, Any] = {}
     for name, text in definitions.items():

@@ -1,7 +1,6 @@
 """All monitors of a workspace in one process: one node of ROS, a thread for each monitor.
 
-Topics, parameters and names in the diagnostics are those of separate nodes. A monitor that raises,
-hangs in hand-written code or cannot be started does not stop the others.
+Topics, parameters and names are those of separate nodes; a monitor that fails stops no other one.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from ...node.report import ERROR, Report
 from ...node.start import LOG, StartError, Waker, end_at_signals
 from ...plain_values import one_line
 from .node import MonitorNode, diagnostics_publisher, start_log
-from .process import RosEnding, TypeRefusals, node_name, options_of, watch
+from .process import RosEnding, Watchdog, node_name, options_of
 
 
 class Host:
@@ -33,7 +32,7 @@ class Host:
         self._name = name
         self._nodes: dict[str, MonitorNode] = {}
         self._failed: dict[str, str] = {}
-        self._ending, self._refusals = RosEnding(), TypeRefusals()
+        self._ending = RosEnding()
 
     @contextmanager
     def starting(self, package: str) -> Iterator[None]:
@@ -80,13 +79,14 @@ class Host:
         self._ending.install()
         start_log()
         LOG.named = True
-        self._refusals.install()
 
         def report_now() -> None:
             for node in self._nodes.values():
                 node.report_now()
 
-        watched = watch(options, self._ending, self._expected_types, report_now)
+        watchdog = None
+        if options.watchdog_period:
+            watchdog = Watchdog(options, self._ending, self._expected_types, report_now)
         diagnostics = Diagnostics(diagnostics_publisher())
         self._ending.on_end(diagnostics.stop)
         diagnostics.start()
@@ -98,14 +98,14 @@ class Host:
         for own_name, node in self._nodes.items():
             threading.current_thread().name = own_name  # in the log
             with self.starting(own_name):
-                node.share(self._ending, self._refusals, watched)
+                node.share(self._ending, watchdog)
                 node.begin(own_name, diagnostics)
                 threading.Thread(target=node.ros_main, name=own_name, daemon=True).start()
         for failed, reason in self._failed.items():
             report = Report(ERROR, f"not started: {reason}", (), failed.lstrip("/"), failed)
             diagnostics.add(partial(lambda known, _: known, report))
-        if watched is not None:
-            watched.start()
+        if watchdog is not None:
+            watchdog.start()
         while not self._ending.begun:
             ended.wait(threading.TIMEOUT_MAX)
         self._ending.wait()

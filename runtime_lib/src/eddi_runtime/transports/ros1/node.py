@@ -6,6 +6,7 @@ D7.2 Fig 31; a person may override them in the generated RosNode.
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from io import BytesIO
@@ -24,16 +25,7 @@ from ...node.node import REFUSALS, NewInput, NewMonitor, Node, Options, Statuses
 from ...node.report import GraphFact
 from ...node.start import LOG, end_at_signals, write_to_stderr
 from ...node.topics import DEFAULT_BUFFER_BYTES, Converter, Input, Output, Publish, Receipts, Topic
-from .process import (
-    LOST,
-    RosEnding,
-    TypeRefusals,
-    Watchdog,
-    node_name,
-    options_of,
-    standing,
-    watch,
-)
+from .process import LOST, RosEnding, TypeRefusals, Watchdog, node_name, options_of
 
 _ROSOUT_SWITCH = "/rosout_disable_topics_generation"
 _MAX_PUBLISHERS = 32
@@ -100,15 +92,12 @@ def diagnostics_publisher() -> Statuses:
 
 
 def start_log() -> None:
-    """Let rospy write the log of the process; ``rospy.init_node`` has been called.
-
-    Every ``rospy.log*`` asks the ROS master for a parameter before it writes (ros_comm 1.15.15,
-    unless that parameter is set), and writes to a pipe that roslaunch has to read.
-    """
-    # With a value in rospy's cache the log works without the master, and is faster.
+    """Let rospy write the log of the process; ``rospy.init_node`` has been called."""
+    # Every ``rospy.log*`` asks the master for a parameter (ros_comm 1.15.15) that is not cached.
     cache: Any = rospy.impl.paramserver.get_param_server_cache()
     cache.set(_ROSOUT_SWITCH, bool(rospy.get_param(_ROSOUT_SWITCH, default=False)))
     LOG.start({"info": rospy.loginfo, "warn": rospy.logwarn, "error": rospy.logerr})
+    logging.getLogger("rospy.internal").addHandler(TypeRefusals())
 
 
 _REGISTERED = "its publisher is registered, and silent"  # a master does not know if it lives
@@ -120,12 +109,12 @@ class MonitorNode(Node):
     def __init__(self, monitor: Steps, eddi_input: EDDIInputBase, options: Options = None) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
         self._subscribers: dict[str, Any] = {}
-        self.share(RosEnding(), TypeRefusals(), None)
+        self.share(RosEnding(), None)
 
-    def share(self, ending: RosEnding, refusals: TypeRefusals, watchdog: Watchdog | None) -> None:
+    def share(self, ending: RosEnding, watchdog: Watchdog | None) -> None:
         """Take what a process has once; several monitors of one process share it."""
         self.ending: RosEnding = ending
-        self._refusals, self._watchdog = refusals, watchdog
+        self._watchdog = watchdog
 
     def subscribe(self, source: Input) -> None:  # blocks while the ROS master does not answer
         large = source.buffer_bytes != DEFAULT_BUFFER_BYTES
@@ -159,37 +148,33 @@ class MonitorNode(Node):
         return {one.resolved_name: (name, str(one.type)) for name, one in known}
 
     def graph(self) -> GraphFact:  # a master also lists a publisher that was killed
-        watchdog, expected = self._watchdog, self.expected_types()
-        state, seen, shared, published = "not watched", {}, set(), None
-        if watchdog is not None:
-            state, seen, shared = watchdog.state, dict(watchdog.wrong_types), watchdog.shared
-            published = None if state == LOST else watchdog.published
-        refused, receipts = dict(self._refusals.heard), self._receipts.latest()
-        wrong: dict[str, str] = {}
-        warnings = ["ROS master lost"] if state == LOST else []
-        for topic, (name, _) in expected.items():
-            last = receipts[name].at if name in receipts else None
-            text = standing(seen.get(topic), last) or standing(refused.get(topic), last)
-            if text:
+        watchdog, receipts, wrong = self._watchdog, self._receipts.latest(), {}
+        if watchdog is None:
+            return GraphFact((("master", "not watched"),))
+        lost, expected = watchdog.state == LOST, self.expected_types()
+        for topic, (since, text) in watchdog.wrong_types.items():
+            last = receipts.get(expected[topic][0]) if topic in expected else None
+            if topic in expected and (last is None or last.at <= since):  # else it may be gone
                 wrong[topic] = text
-            elif topic in shared and (topic in seen or topic in refused):
-                _, text = seen.get(topic) or refused[topic]
-                warnings.append(f"a publisher that is registered for {topic} does not fit: {text}")
+        published = {} if lost else watchdog.published
         ages = {source.id: age for source, age in self._silence.quiet(receipts)}
         silent = [
             Topic(topic, kind, (kind,) if topic in published else (), ages[name], _REGISTERED)
             for topic, (name, kind) in expected.items()
-            if published is not None and name in ages
+            if published and name in ages
         ]
-        found = self._silence.explained(silent, published or ())
-        values = (("master", state),)
-        return found._replace(values=values, warnings=tuple(warnings), wrong_types=wrong)
+        return self._silence.explained(silent, published)._replace(
+            values=(("master", watchdog.state),),
+            warnings=("ROS master lost",) if lost else (),
+            wrong_types=wrong,
+        )
 
     def run(self) -> int:
         self.ending.install()
         start_log()
-        self._refusals.install()
-        self._watchdog = watch(self.options, self.ending, self.expected_types, self.report_now)
+        if self.options.watchdog_period:
+            shared = self.options, self.ending, self.expected_types, self.report_now
+            self._watchdog = Watchdog(*shared)
         begun = (lambda: None) if self._watchdog is None else self._watchdog.start
         self.run_on(rospy.get_name(), diagnostics_publisher, begun)
         self.ending.wait()
@@ -197,11 +182,7 @@ class MonitorNode(Node):
 
     @classmethod
     def main(cls, eddi_input_class: NewInput, eddi_monitor_class: NewMonitor) -> int:
-        """Run the node of a generated package and return its exit status.
-
-        0 after a normal end, 1 when it must not start or lost its name, 3 when the ROS master was
-        lost and did not come back.
-        """
+        """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
         name = node_name(cls.NAME)
         try:

@@ -1,11 +1,7 @@
 """The process of a node of rospy: its start, its end, and a look at the master every few seconds.
 
-What cannot work ends before the node registers, so that the graph never sees a broken node. XML-
-RPC to the master and to other nodes has a time limit here, which rospy's own proxies have not.
-
-A rospy node registers once: when roscore is restarted it stays unknown without any report. The
-watchdog registers it again, or ends the process so that ``respawn`` brings it back. It also finds
-a second node of the same name and publishers whose message type does not fit.
+What cannot work ends before the node registers. XML-RPC has a time limit here, which rospy's own
+proxies have not. A rospy node registers once: after a restart of roscore it stays unknown.
 """
 
 from __future__ import annotations
@@ -79,11 +75,8 @@ class Peer:
 
 
 def answers_as(uri: str, node: str, caller: str) -> bool:
-    """Return whether a living node of this name answers at an address.
-
-    A dead registration may point to a port that another node has by now, so the name is asked for;
-    ``getName`` exists in rospy only, where it is missing ``getPid`` decides.
-    """
+    """Return whether a living node of this name answers at an address."""
+    # Another node may have the port of a dead one by now; but only rospy has ``getName``.
     peer = Peer(uri, caller)
     try:
         peer.call("getPid")
@@ -118,18 +111,17 @@ def wait_for_master(node: str) -> Peer:
     reported = False
     while True:
         try:
-            master.call("getPid")
-        except Refused:  # noqa: PERF203 - waits anyway
-            return master
+            with suppress(Refused):
+                master.call("getPid")
+            break
         except Unreachable as error:
             if not reported:
                 reported = True
                 write_to_stderr(node, f"the ROS master does not answer, waiting for it ({error})")
             time.sleep(_POLL_S)
-        else:
-            if reported:
-                write_to_stderr(node, "the ROS master answers")
-            return master
+    if reported:
+        write_to_stderr(node, "the ROS master answers")
+    return master
 
 
 def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
@@ -178,7 +170,6 @@ class RosEnding(Ending):
 
 
 OK, LOST, REREGISTERED = "ok", "lost", "re-registered"
-_ATTEMPTS = 3
 _REFUSALS = ("md5sum", "types do not match")
 Wrong = Dict[str, Tuple[float, str]]
 """Topic -> since when (monotonic seconds) its publisher does not fit, and why."""
@@ -187,41 +178,22 @@ Expected = Callable[[], Dict[str, Tuple[str, str]]]
 
 
 class TypeRefusals(logging.Handler):
-    """Hears when a publisher refuses our subscription because of its message type.
-
-    rospy writes that into its log file only. The connecting thread has the name of the topic.
-    """
+    """Tells that a publisher refuses our message type: rospy writes it into its log file only."""
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
-        self.heard: Wrong = {}
+        self._known: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        text = record.getMessage()
+        text, topic = record.getMessage(), str(record.threadName)  # which connects to it
         if text.startswith("unable to create subscriber") and any(x in text for x in _REFUSALS):
-            reason = text.partition("remote error reported: ")[2] or text
-            topic = str(record.threadName)
-            known = self.heard.get(topic)
-            self.heard[topic] = (time.monotonic(), reason)
-            if known is None or known[1] != reason:  # rospy tries again for ever
-                LOG.error("the publisher of %s refuses this node: %s", topic, reason)
-
-    def install(self) -> None:
-        logging.getLogger("rospy.internal").addHandler(self)
-
-
-def standing(known: tuple[float, str] | None, last_receipt: float | None) -> str:
-    """Return what is wrong with a publisher, empty once a message came since: it may be gone."""
-    if known is None or (last_receipt is not None and last_receipt > known[0]):
-        return ""
-    return known[1]
+            if topic not in self._known:  # rospy tries again for ever
+                LOG.error("the publisher of %s refuses this node: %s", topic, text)
+            self._known.add(topic)
 
 
 class Watchdog:
-    """Compares what the master knows with what this node is.
-
-    ``changed`` is called whenever ``state`` or ``wrong_types`` changed.
-    """
+    """Compares what the master knows with this node; ``changed`` is called when that changed."""
 
     def __init__(
         self, options: Settings, ending: RosEnding, expected: Expected, changed: Callable[[], None]
@@ -229,15 +201,13 @@ class Watchdog:
         self.state = OK  # of the master
         self.wrong_types: Wrong = {}
         # topics with a publisher -> type, when the master was asked last
-        self.published: dict[str, str | None] | None = None
-        self.shared: set[str] = set()  # topics with more than one publisher, then
+        self.published: dict[str, str | None] = {}
         self._node = str(rospy.get_name())
         self._own_uri = str(rospy.get_node_uri())
         self._master = Peer(rosgraph.get_master_uri(), self._node)
         self._period = options.watchdog_period
         self._reregister = options.words.get("on_master_loss") != "exit"
         self._expected, self._end, self._changed = expected, ending.end, changed
-        self._failures = 0
         # The event is only ever waited for in our own thread, so a signal handler cannot deadlock.
         self._stop = threading.Event()
         ending.on_end(self._stop.set)
@@ -284,7 +254,6 @@ class Watchdog:
         elif self.state == LOST:
             LOG.info("the ROS master answers again and still knows this node")
             self.state = OK
-        self.shared = {topic for topic, names in nodes.items() if len(names) > 1}
         # Only topics with a publisher: the master keeps the types of all others, too.
         self.published = {topic: types.get(topic) for topic, names in nodes.items() if names}
         wrong: Wrong = {}
@@ -307,29 +276,16 @@ class Watchdog:
         try:
             reregister(self._master, self._node, self._own_uri)
         except (Unreachable, Refused) as error:
-            self._failures += 1
-            LOG.error("cannot register again (%d of %d): %s", self._failures, _ATTEMPTS, error)
+            LOG.error("cannot register again, trying it with the next look: %s", error)
             self.state = LOST
-            if self._failures >= _ATTEMPTS:
-                self._end(MASTER_LOST, f"cannot register again at the ROS master: {error}")
             return
-        self._failures = 0
         self.state = REREGISTERED
         LOG.warn("the ROS master did not know this node any more: registered again")
 
 
-def watch(
-    options: Settings, ending: RosEnding, expected: Expected, changed: Callable[[], None]
-) -> Watchdog | None:
-    """Return the watchdog of this process, ``None`` where a person wants none."""
-    return Watchdog(options, ending, expected, changed) if options.watchdog_period else None
-
-
 def reregister(master: Peer, node: str, own_uri: str) -> None:
-    """Register at a new master all that rospy itself registered at the former one.
-
-    Both managers are inner parts of rospy (ros_comm 1.15.15): a test guards this per version.
-    """
+    """Register at a new master all that rospy itself registered at the former one."""
+    # Both managers are inner parts of rospy (ros_comm 1.15.15): a test guards this per version.
     topics: Any = rospy.impl.registration.get_topic_manager()
     services: Any = rospy.impl.registration.get_service_manager()
     own = Peer(own_uri, node)

@@ -13,8 +13,6 @@ from ...plain_values import one_line
 from .node import MonitorNode
 from .process import Process, Receive, declared
 
-__all__ = ["ManagedMonitorNode"]
-
 
 class _ManagedNode(LifecycleNode):  # type: ignore[misc]
     """A node of rclpy that hands its transitions over."""
@@ -82,7 +80,7 @@ class ManagedProcess(Process):
         """Subscribe to nothing more: what a publisher keeps comes again with the next time."""
         while self._subscriptions:
             self.node.destroy_subscription(self._subscriptions.pop())
-        self.forget_signs()
+        self._signs.clear()
 
     def stop_publishing(self) -> None:
         while self._publishers:

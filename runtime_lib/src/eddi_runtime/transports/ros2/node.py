@@ -1,7 +1,4 @@
-"""The ROS 2 node of one monitor, on rclpy: subscribe, one step per period, publish.
-
-Steps follow the monotonic clock: a timer of ROS waits for ever with no ``/clock``.
-"""
+"""The ROS 2 node of one monitor, on rclpy: subscribe, one step per period, publish."""
 
 from __future__ import annotations
 
@@ -113,11 +110,11 @@ class MonitorNode(Node):
         return self._silence.explained(topics, published)._replace(warnings=warnings)
 
     def _topic(self, source: Input, age: float | None) -> Topic:
-        name, qos = self._read[source.id]
+        name, own_qos = self._read[source.id]
         known = self._process.publications(source.topic)
         expected = ros_type(source.type)
-        fitting = [one.qos for one in known if one.type == expected]
-        lacking = refused(qos, fitting)
+        fitting = [qos for type_name, qos in known if type_name == expected]
+        lacking = refused(own_qos, fitting)
         why = fault(
             expected,
             age,
@@ -126,7 +123,7 @@ class MonitorNode(Node):
             alive=self._process.alive(source.topic),
             deadline=deadline(fitting),
         )
-        return Topic(name, expected, {one.type for one in known}, age, why)
+        return Topic(name, expected, {type_name for type_name, _ in known}, age, why)
 
     def run(self, begun: Callable[[], None]) -> None:
         self.run_on(self._process.name, self.statuses, begun)

@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 from functools import partial
-from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional
+from typing import Any, Callable, Iterable, Iterator, Mapping, Optional
 
 import rclpy
 import rclpy.subscription
@@ -116,19 +116,9 @@ def refused(reader: QoSProfile, writers: Iterable[QoSProfile]) -> str:
 
 
 def deadline(writers: Iterable[QoSProfile]) -> float | None:
-    """Return the shortest time between two messages that a writer promises, in seconds.
-
-    ROS 2 writes none as zero, and as the longest there is.
-    """
+    """Return the shortest deadline in seconds; ROS 2 writes none as zero, and as the longest."""
     times = [writer.deadline.nanoseconds for writer in writers]
     return min((ns / 1e9 for ns in times if 0 < ns < _FOR_EVER_NS), default=None)
-
-
-class Publication(NamedTuple):
-    """One publisher of a topic, anywhere on the graph."""
-
-    type: str
-    qos: QoSProfile
 
 
 class Process:
@@ -191,9 +181,6 @@ class Process:
         signs = self._signs.get(topic)
         return None if signs is None else signs.alive_count > 0 or not signs.not_alive_count
 
-    def forget_signs(self) -> None:
-        self._signs.clear()
-
     @contextlib.contextmanager
     def until(self, ending: Ending) -> Iterator[None]:
         """Be in a process that signals end, and leave the graph at last."""
@@ -238,11 +225,11 @@ class Process:
         now = self.node.get_clock().now()
         return (now if now.nanoseconds else Time(nanoseconds=time.time_ns())).to_msg()
 
-    def publications(self, topic: str) -> list[Publication]:
-        """Return every publisher of a topic, by the name that the node uses for it."""
+    def publications(self, topic: str) -> list[tuple[str, QoSProfile]]:
+        """Return type and QoS of every publisher of a topic, anywhere on the graph."""
         with self._open:
             infos = [] if self._closed else self.node.get_publishers_info_by_topic(topic)
-        return [Publication(i.topic_type.replace("/msg/", "/"), i.qos_profile) for i in infos]
+        return [(info.topic_type.replace("/msg/", "/"), info.qos_profile) for info in infos]
 
     def published(self) -> list[str]:
         with self._open:
