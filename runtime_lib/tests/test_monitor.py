@@ -1,5 +1,6 @@
 """Evaluation, output, best guarantees, messages and what stands beside the output."""
 
+import numpy as np
 import pytest
 
 from runtime_lib.tests.conserts import active, give, monitor, nested
@@ -98,7 +99,6 @@ def test_message_takes_nothing_but_bools_as_active():
     assert made.message(None)[1]["guarantees"] == [("Guarantee", {"id": "G", "active": False})]
     assert made.message([None, {"id": 3, "active": True}])[1] == {"guarantees": []}
     assert len(made.output_faults()) == 2
-    np = pytest.importorskip("numpy")
     ((_, row),) = made.message([{"id": "G", "active": np.bool_(True)}])[1]["guarantees"]
     assert row["active"] is True
 

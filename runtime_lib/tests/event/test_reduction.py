@@ -25,8 +25,6 @@ PLAIN = Reduction(
 
 
 class Reducer:
-    """A reduction as a package has it."""
-
     def __init__(self, op="list_min", **more):
         reduction = replace(PLAIN, op=op, **more)
         lines = ["from eddi_runtime.expressions import lists", "class Made:"]

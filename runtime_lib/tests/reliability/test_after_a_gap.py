@@ -4,15 +4,12 @@ import math
 
 import pytest
 
-np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-
-from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - as above
+from runtime_lib.tests.reliability.reliability_models import (
     chain,
     monitor,
 )
-from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
-from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY  # noqa: E402 - as above
+from runtime_lib.tests.reliability.test_reliability_monitor import step
+from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY
 
 ARCS = [[0, 1, 1e-3], [1, 2, 0.5]]
 NAMED = chain(ARCS, 3, [2], observe=[[0, "ok", False], [1, "ok", True], [2, "ok", True]])

@@ -2,15 +2,13 @@
 
 import math
 
+import numpy as np
 import pytest
+from eddi_runtime.reliability.battery import FreeHorizon
 
-np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-from eddi_runtime.reliability.battery import FreeHorizon  # noqa: E402 - numpy comes first
-
-from eddi_scaffold.kinds.reliability.chains import Chain, propagator, rates_of  # noqa: E402 - as above
-from runtime_lib.tests.reliability.reliability_models import monitor  # noqa: E402 - as above
-from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
+from eddi_scaffold.kinds.reliability.chains import Chain, propagator, rates_of
+from runtime_lib.tests.reliability.reliability_models import monitor
+from runtime_lib.tests.reliability.test_reliability_monitor import step
 
 COLD = {
     "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
@@ -20,7 +18,6 @@ WARM = {**COLD, "t_ref": 25.0, "t_max": 60.0, "activation_energy": 0.5, "tempera
 
 
 def factor(celsius):
-    """Arrhenius, written once more."""
     return math.exp(0.5 / 8.617333262e-5 * (1 / 298.15 - 1 / (celsius + 273.15)))
 
 

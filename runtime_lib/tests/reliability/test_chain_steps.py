@@ -2,22 +2,19 @@
 
 import random
 
+import numpy as np
 import pytest
+from eddi_runtime.reliability.component import Moment
+from eddi_runtime.reliability.large_chain import propagator
 
-np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-from eddi_runtime.reliability.component import Moment  # noqa: E402 - numpy comes first
-from eddi_runtime.reliability.large_chain import propagator  # noqa: E402 - as above
-
-from eddi_scaffold.kinds.reliability import chains  # noqa: E402 - as above
-from runtime_lib.tests.reliability.reliability_models import chain, compiled, monitor  # noqa: E402 - as above
-from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
+from eddi_scaffold.kinds.reliability import chains
+from runtime_lib.tests.reliability.reliability_models import chain, compiled, monitor
+from runtime_lib.tests.reliability.test_reliability_monitor import step
 
 QUANTUM = 0.1 / 3600.0
 
 
 def model_of(spec, observe, horizon):
-    """Return the chain of a compiled monitor."""
     part = chain(
         [list(arc) for arc in spec.arcs], len(spec.states), list(spec.fail),
         observe=[list(one) for one in observe],

@@ -1,11 +1,7 @@
 """A chain that was seen to have failed, and contradictions that are none of a failure."""
 
-import pytest
-
-np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-from runtime_lib.tests.reliability.reliability_models import chain, monitor  # noqa: E402 - numpy comes first
-from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
+from runtime_lib.tests.reliability.reliability_models import chain, monitor
+from runtime_lib.tests.reliability.test_reliability_monitor import step
 
 STUCK = [[0, "a", False], [1, "a", True]]
 

@@ -1,20 +1,16 @@
 """What stands behind a result, for programs and for people."""
 
-import pytest
-
-np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first
+from runtime_lib.tests.reliability.reliability_models import (
     event,
     monitor,
     quad,
     tree,
 )
-from runtime_lib.tests.reliability.test_reliability_monitor import (  # noqa: E402 - as above
+from runtime_lib.tests.reliability.test_reliability_monitor import (
     WORKING,
     step,
 )
-from runtime_lib.tests.reliability.test_unknown_inputs import CPU  # noqa: E402 - as above
+from runtime_lib.tests.reliability.test_unknown_inputs import CPU
 
 GO = [{"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.0}]
 

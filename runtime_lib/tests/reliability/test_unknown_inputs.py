@@ -4,16 +4,14 @@ import math
 
 import pytest
 
-np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first
+from runtime_lib.tests.reliability.reliability_models import (
     chain,
     event,
     monitor,
     quad,
     tree,
 )
-from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
+from runtime_lib.tests.reliability.test_reliability_monitor import step
 
 BATTERY = {
     "name": "battery", "type": "battery", "failure_rate": 1e-2, "alpha": 8e-3, "beta": 7e-3,

@@ -2,10 +2,6 @@
 
 from fractions import Fraction
 
-import pytest
-
-np = pytest.importorskip("numpy")
-
 
 def kolmogorov_smirnov(reference, window):
     """n m D."""

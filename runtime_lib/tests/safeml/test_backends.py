@@ -1,12 +1,11 @@
 """PyTorch decides as numpy does; without it numpy takes its place."""
 
+import numpy as np
 import pytest
+from eddi_runtime.safeml import arrays
+from eddi_runtime.safeml.comparison import Comparison
 
-np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.safeml import arrays  # noqa: E402 - numpy comes first
-from eddi_runtime.safeml.comparison import Comparison  # noqa: E402
-
-from eddi_scaffold.kinds.safeml.thresholds import of_windows  # noqa: E402
+from eddi_scaffold.kinds.safeml.thresholds import of_windows
 
 
 def test_an_absent_library_is_said_and_numpy_used(monkeypatch):

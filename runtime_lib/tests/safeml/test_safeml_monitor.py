@@ -2,19 +2,17 @@
 
 import math
 
+import numpy as np
 import pytest
+from eddi_runtime.history import Messages
 
-np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.history import Messages  # noqa: E402 - numpy comes first
-
-from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
+from runtime_lib.tests.safeml.monitors import monitor, step
 
 ROWS = [[k / 10] for k in range(10)]
 NAN = float("nan")
 
 
 def filled(**more):
-    """Return a monitor whose window holds four usual samples."""
     one = monitor(ROWS, **more)
     for value in (0.05, 0.45, 0.75, 0.35):
         step(one, [value])

@@ -2,19 +2,17 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from eddi_runtime.history import Messages
+from eddi_runtime.safeml.arrays import take
 from hypothesis import given
 from hypothesis import strategies as st
 
-np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.history import Messages  # noqa: E402
-from eddi_runtime.safeml.arrays import take  # noqa: E402
-
-from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
+from runtime_lib.tests.safeml.monitors import monitor, step
 
 
 def multi_array(data, *sizes, offset=0):
-    """Return what a MultiArray of std_msgs looks like."""
     dim = [SimpleNamespace(size=size, stride=0, label="") for size in sizes]
     return SimpleNamespace(layout=SimpleNamespace(dim=dim, data_offset=offset), data=data)
 
@@ -103,8 +101,6 @@ def test_float32_is_rounded_before_it_is_judged():
 
 
 class Awkward:
-    """Raises wherever it is touched."""
-
     def __getattr__(self, name):
         raise RuntimeError(name)
 

@@ -1,16 +1,15 @@
 """Every statistic equals its definition, from whatever side it is computed."""
 
+import numpy as np
 import pytest
-
-np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.safeml.comparison import (  # noqa: E402 - numpy comes first
+from eddi_runtime.safeml.comparison import (
     Comparison,
     CramerVonMises,
     Window,
 )
 
-from eddi_scaffold.kinds.safeml.thresholds import of_windows  # noqa: E402
-from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
+from eddi_scaffold.kinds.safeml.thresholds import of_windows
+from runtime_lib.tests.safeml.literal import LITERAL
 
 METRICS = tuple(LITERAL)
 

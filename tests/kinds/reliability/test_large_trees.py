@@ -29,7 +29,6 @@ def systems(file: str) -> dict[str, ReliabilitySystem]:
 
 
 def value(system: ReliabilitySystem) -> float:
-    """Return the probability of a tree whose events have fixed ones."""
     tree = lower(system).components[system.top]
     assert isinstance(tree, FaultTree)
     assert tree.diagram is not None

@@ -23,8 +23,6 @@ pytestmark = pytest.mark.slow
 
 
 def bounds_of(found: Any) -> BoundedTree:
-    """Return what bounds a tree by its minimal cut sets."""
-
     class Tree(BoundedTree):
         names = ()
         sets = tuple(tuple(sorted(one)) for one in found)

@@ -63,7 +63,6 @@ def planned(rows: Rows, metric: Metric, components: int | None, **more: Any) -> 
 
 
 def rate(rows: Rows, made: Plan, stream: Rows) -> float:
-    """Return the share of separate windows of a stream that are a violation."""
     design = made.design
     comparison = Comparison(made.settings.metric, design.reference, WINDOW)
     maxima = largest_statistics(comparison, design.series(stream), stride=1, distance=WINDOW)
@@ -73,7 +72,6 @@ def rate(rows: Rows, made: Plan, stream: Rows) -> float:
 def power(
     metric: Metric, components: int | None, fault: str, *, references: int, windows: int
 ) -> float:
-    """Return the share of windows with a fault that are found, over several references."""
     found = []
     for seed in range(references):
         chance = np.random.default_rng(100 + seed)

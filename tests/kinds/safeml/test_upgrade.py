@@ -29,7 +29,6 @@ KEYS = {
 def generated(
     inputs: Path, packages: Path, name: str, rows: Sequence[Sequence[float]] = ROWS
 ) -> Path:
-    """Generate the package of this name and return its configuration."""
     inputs.mkdir(exist_ok=True)
     lay(inputs, rows, **KEYS)
     config = inputs / "eddi_config.yml"
