@@ -18,8 +18,6 @@ DIGEST = 64 * "0"
 
 
 class BoundModel(NamedTuple):
-    """A configured model, and what its monitor begins with."""
-
     model: Model
     declaration: Declaration
 

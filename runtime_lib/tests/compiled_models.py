@@ -9,10 +9,8 @@ from eddi_scaffold.program.running import module_of
 
 
 def text_of(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> str:
-    """Return the text of ``compiled.py``."""
     return module_text(kind, compiled, declaration.model_id)
 
 
 def loaded(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> ModuleType:
-    """Return the module, as a package would import it."""
     return module_of(text_of(kind, compiled, declaration), declaration.model_id)

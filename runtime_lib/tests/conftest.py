@@ -19,6 +19,10 @@ class _NoGenerator:
 
 if sys.version_info < (3, 10):
     sys.meta_path.insert(0, _NoGenerator())
+    # what imports numpy or hypothesis before the generator
+    collect_ignore_glob = ["bayesian_network/test_[!e]*", "bayesian_network/test_en*"]
+    collect_ignore_glob += ["reliability/*", "safeml/*", "test_[mv]*.py", "test_properties.py"]
+    collect_ignore_glob += ["test_clock.py"]
 
 try:
     from hypothesis import HealthCheck, settings

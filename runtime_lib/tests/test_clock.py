@@ -41,7 +41,6 @@ def test_nothing_is_held_without_time(nothing):
 
 @pytest.mark.parametrize("nothing", NO_TIMES)
 def test_a_window_has_no_age_without_time(nothing):
-    pytest.importorskip("numpy", reason="SafeML needs numpy")
     from runtime_lib.tests.safeml import monitors
 
     rows = [[float(i)] for i in range(20)]
@@ -61,7 +60,6 @@ def test_a_window_has_no_age_without_time(nothing):
 
 @pytest.mark.parametrize("nothing", NO_TIMES)
 def test_a_reliability_is_not_valid_without_time(nothing):
-    pytest.importorskip("numpy", reason="reliability needs numpy")
     from runtime_lib.tests.reliability.reliability_models import chain, monitor
 
     thresholds = [{"id": "go", "activate": 0.9, "release": 0.9, "hold": 0.0}]

@@ -1,8 +1,11 @@
 """Evaluation, output, best guarantees, messages and what stands beside the output."""
 
+import numpy as np
 import pytest
+from eddi_runtime import EDDIInputBase
+from eddi_runtime.inputs import InputSpec, accepted
 
-from runtime_lib.tests.conserts import active, give, monitor, nested
+from runtime_lib.tests.conserts import GOOD, active, binary, give, monitor, nested
 
 
 def test_the_output_is_a_new_list_of_dicts_in_file_order():
@@ -98,7 +101,6 @@ def test_message_takes_nothing_but_bools_as_active():
     assert made.message(None)[1]["guarantees"] == [("Guarantee", {"id": "G", "active": False})]
     assert made.message([None, {"id": 3, "active": True}])[1] == {"guarantees": []}
     assert len(made.output_faults()) == 2
-    np = pytest.importorskip("numpy")
     ((_, row),) = made.message([{"id": "G", "active": np.bool_(True)}])[1]["guarantees"]
     assert row["active"] is True
 
@@ -163,3 +165,148 @@ def test_loop_and_straight_line_agree():
 
 def test_no_guarantees():
     assert monitor(["e"]).execute_step(give()) == []
+
+
+RAW = {"T": True, "F": False, "U": None}
+
+
+def made(*wanted):
+    return monitor([("x", binary())], guarantees=["G"], edges=["x>G"], filtered=wanted)
+
+
+def run(one, samples):
+    found = []
+    for sample in samples.split():
+        one.execute_step(give(x=RAW[sample]))
+        found.append(one.verdicts()["G"][0])
+    return " ".join(found)
+
+
+def test_debouncing_stands_in_the_reason():
+    one = made("debounce", 4)
+    run(one, "F T T")
+    assert one.reasons()["x"] == ("debouncing", "debouncing, 2 of 4 good samples")
+    assert one.explain("G").text() == (
+        "G is FALSE, not active\n  needs x (debouncing, 2 of 4 good samples)"
+    )
+    assert one.blocked() == {}
+    one = made("majority", 3)
+    run(one, "F F T")
+    assert one.reasons()["x"].text == "majority, 1 of 3 samples good"
+
+
+def test_text():
+    made = nested()
+    made.execute_step(give(a=False, c="high", n=12, d=None))
+    assert made.explain("G").text() == (
+        "G is UNKNOWN, not active\n"
+        "  needs d (no value)\n"
+        "  needs a (the value is False) and c (the value 'high' is not in {low})"
+        " and n (the value 12 is not in [0, 10] or [20, 30) m)\n"
+        "  needs b (no value) and c (the value 'high' is not in {low})"
+        " and n (the value 12 is not in [0, 10] or [20, 30) m)"
+    )
+    made.execute_step(give(a=True, c="low", n=3.0))
+    assert made.explain("G").text() == "G is active; its loss would end it: a, c, n"
+    made.execute_step(give(**GOOD))
+    assert made.explain("G").text() == "G is active; its loss would end it: no single input"
+
+
+def test_reasons_of_an_input_object():
+    class Input(EDDIInputBase):
+        def __init__(self):
+            super().__init__()
+            self.d = None
+
+        def process(self, message):
+            self.d = message
+
+    made, source = nested(), Input()
+    source.bind([spec._replace(max_age=0.5) for spec in made.inputs])
+    source.update("d", source.process, {"topic": None}, ("topic",))
+    made.execute_step(source)
+    assert made.reasons()["d"] == ("missing", "no message of topic")
+    source.begin_step({"topic": 2.0})
+    source.update("d", source.process, {"topic": True}, ("topic",))
+    made.execute_step(source)
+    assert made.reasons()["d"] == ("stale", "the last message is 2 s old, the limit is 0.5 s")
+    source.begin_step({"topic": 0.1})
+    source.update("d", source.process, {"topic": "yes"}, ("topic",))
+    made.execute_step(source)
+    assert made.reasons()["d"].kind == "fault"
+
+
+def test_the_cap_keeps_the_smallest_sets_and_says_so():
+    leaves = [f"e{i}_{j}" for i in range(6) for j in range(6)]
+    made = monitor(
+        leaves,
+        gates=[f"o{i}|" for i in range(6)],
+        guarantees=["G"],
+        edges=[f"e{i}_{j}>o{i}" for i in range(6) for j in range(6)]
+        + [f"o{i}>G" for i in range(6)],
+    )
+    made.execute_step(give())
+    found = made.explain("G")
+    assert found.truncated
+    assert len(found.missing) == 256
+    assert found.missing[0] == tuple(f"e{i}_0" for i in range(6))
+    assert found.text().endswith("\n  ... and more")
+    assert made.status_message()[1]["guarantees"][0][1]["missing"] == list(found.missing[0])
+
+
+def test_what_is_not_known_comes_before_what_is_false():
+    made = monitor(["a", "z"], gates=["or1|"], guarantees=["G"], edges=["a>or1", "z>or1", "or1>G"])
+    made.execute_step(give(a=False, z=None))
+    assert made.standings()[0].lacks == (("z", "no value"),)
+    made.execute_step(give(a=False, z=False))
+    assert made.standings()[0].lacks == (("a", "the value is False"),)
+
+
+class Input(EDDIInputBase):
+    def __init__(self, specs):
+        super().__init__()
+        self.e = None
+        self.bind(specs)
+
+    def process_e(self, message):
+        self.e = message
+
+    def give(self, message, age=0.0):
+        self.begin_step({"e": age})
+        self.update("e", self.process_e, {} if message is None else {"e": message}, ["e"])
+        return self
+
+
+def test_an_input_without_limit_is_an_acceptance_as_long_as_it_has_a_value():
+    made = monitor(
+        ["e"], guarantees=["G"], edges=["e>G"], specs={"e": {"max_age": "none", "requires": ["e"]}}
+    )
+    told = Input(made.inputs)
+    made.execute_step(told.give(None))
+    assert made.accepted() == ()
+    made.execute_step(told.give(True, age=1e6))
+    assert made.accepted() == ("e: max_age: none",)
+    assert made.status_message()[1]["accepted"] == ["e: max_age: none"]
+    made.execute_step(give(e=True))  # nobody watches the messages
+    assert made.accepted() == ()
+
+
+def test_a_majority_is_in_use_while_it_outvotes_the_present_sample():
+    made = monitor(["e"], guarantees=["G"], edges=["e>G"], filtered=("majority", 3))
+    for value, holds, used in (
+        (True, True, ()),
+        (True, True, ()),
+        (None, True, ("e: filter: majority",)),
+        (None, False, ()),
+    ):
+        rows = made.execute_step(give(e=value))
+        assert (rows[0]["active"], made.accepted()) == (holds, used)
+
+
+class Hostile:
+    def __getattr__(self, name):
+        raise RuntimeError(name)
+
+
+def test_a_hostile_object_accepts_nothing():
+    assert accepted((InputSpec("e", "e", max_age="none"),), Hostile()) == ()

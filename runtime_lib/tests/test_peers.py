@@ -18,7 +18,6 @@ LEASE = 1.0
 
 
 def message(tree: Any) -> Any:
-    """Return a tree as a transport hands it out."""
     if isinstance(tree, list):
         return [message(one) for one in tree]
     if isinstance(tree, tuple):

@@ -3,7 +3,8 @@
 import itertools
 from fractions import Fraction
 
-import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from runtime_lib.tests.conserts import (
     active,
@@ -14,10 +15,6 @@ from runtime_lib.tests.conserts import (
     numeric,
     one_leaf,
 )
-
-pytest.importorskip("hypothesis")
-from hypothesis import given
-from hypothesis import strategies as st
 
 VALUES = {"F": False, "U": None, "T": True}
 
@@ -190,8 +187,6 @@ def test_majority_by_its_definition(samples, window):
 
 
 class Hostile:
-    """Raises in, or lies by, every method that Python might call."""
-
     def __init__(self, lie):
         self.lie = lie
 

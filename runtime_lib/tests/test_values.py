@@ -4,6 +4,7 @@ import enum
 import math
 import sys
 
+import numpy as np
 import pytest
 
 from runtime_lib.tests.conserts import binary, categorical, give, numeric, one_leaf
@@ -120,7 +121,6 @@ def test_infinity_is_compared_like_a_number():
 
 
 def test_numpy_scalars_count_by_their_plain_value():
-    np = pytest.importorskip("numpy")
     table = [
         (np.bool_(True), T, X, X),
         (np.bool_(False), F, X, X),

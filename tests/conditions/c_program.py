@@ -20,7 +20,6 @@ SANITIZE = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all", "-g"]
 
 
 def compiler() -> str:
-    """Return the C compiler, or skip the test."""
     result = shutil.which("gcc") or shutil.which("cc")
     if result is None:
         pytest.skip("there is no C compiler on this machine")

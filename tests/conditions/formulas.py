@@ -35,8 +35,6 @@ NUMERIC_WINDOWS = ("AVERAGE", "SUM", "MAX", "MIN", "MEDIAN", "STDDEV", "RATE")
 
 @dataclass
 class Formulas:
-    """Random texts."""
-
     random: random.Random
     monotone: bool = False
 
@@ -103,15 +101,12 @@ class Formulas:
 
 @dataclass(frozen=True)
 class Step:
-    """What one step is told."""
-
     t: int
     values: dict[str, object]
     stamps: dict[str, int]
 
 
 def recording(rng: random.Random, steps: int) -> list[Step]:
-    """Return steps with NaN, infinities, wrong values, gaps, duplicate and backward times."""
     t, result = rng.randint(-(10**10), 10**10), []
     trouble = rng.choice([0.0, 0.03, 0.25])
     for _ in range(steps):

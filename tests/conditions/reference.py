@@ -31,17 +31,11 @@ class Input:
 
 @dataclass
 class Reference:
-    """One text, evaluated step by step.
+    """One text, evaluated step by step."""
 
-    Attributes:
-        file: the parse tree.
-        inputs: variable -> what is said of it.
-        period: nanoseconds.
-    """
-
-    file: File
-    inputs: dict[str, Input]
-    period: int
+    file: File  # the parse tree
+    inputs: dict[str, Input]  # variable -> what is said of it
+    period: int  # nanoseconds
     times: list[int] = field(default_factory=list)
     since: int = 0
     history: list[list[object]] = field(default_factory=list)
@@ -188,7 +182,6 @@ def valid(value: object, spec: Input) -> object:
 
 
 def aggregate(op: str, known: list[tuple[int, object]]) -> object:
-    """Return the value of a window over its known samples."""
     values = [x for _, x in known]
     if op == "count":
         return float(sum(x is True for x in values))
@@ -214,7 +207,6 @@ def aggregate(op: str, known: list[tuple[int, object]]) -> object:
 
 
 def combine(op: str, args: list[object]) -> object:
-    """Return the value of an operator, by the tables of the specification."""
     if op == "known":
         return args[0] is not None
     if op == "and":

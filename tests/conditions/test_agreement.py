@@ -48,7 +48,6 @@ def reference_of(text: str) -> Reference:
 
 
 def python_engine(analysis: Analysis) -> object:
-    """Return the engine of the generated module."""
     ((name, text),) = python_module(monitor_model(analysis, "batch")).items()
     names: dict[str, object] = {"__name__": "batch_event"}
     exec(compile(text, name, "exec", dont_inherit=True), names)

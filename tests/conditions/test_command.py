@@ -1,11 +1,12 @@
 """``eddi-scaffold event`` as a user meets it."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 
-from tests.cli.command import run
+from tests.cli.command import ROOT, files_below, run
 
 D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
 CSV = "t,temp,warning\n0,120,true\n1,,\n2,130,\n3,nan,\n4,50,false\n"
@@ -93,3 +94,98 @@ def test_bad_usage(words: list[str], code: str, tmp_path: Path) -> None:
     assert f"[{code}]" in result.err
     assert (tmp_path / "taken" / "event_event.py").read_text() == "mine = True\n"
     assert not (tmp_path / "out").exists()
+
+
+SLOW = ROOT / "tests" / "data" / "oracles" / "field" / "slash-units" / "slow.events"
+
+
+def refused(*words: str) -> str:
+    result = run("event", *words, "--rate", "10", "--check", cwd=ROOT)
+    assert result.status == 2, result.out
+    return result.err
+
+
+def test_a_unit_with_a_slash_in_a_file() -> None:
+    err = refused("--file", str(SLOW))
+    assert "2:32: error: a unit is one word here, not m/s [E009]" in err
+    assert "hint: write 2 mps" in err
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("v > 10 km/h", "10 kmph"),
+        ("w > 3 deg/s", "3 degps"),
+        ("f > 3 1/h", "3 Hz or kHz or FIT"),
+        ("t < 2 N*m", "2 Nm"),
+        ("b > 2 A*h", "2 Ah"),
+        ("a < 2 m/s^2", "x * x, or a unit in one word such as mps2"),
+        ("VAR v : NUMBER RANGE 0 .. 2 m/s TIMEOUT 1s\nv > 1", "2 mps"),
+        ("a -> b", "IMPLIES"),
+        ("a => b", "IMPLIES, or >= to compare"),
+        ("CONST limit = 2 m/s\nv > limit", "2 mps"),
+    ],
+)
+def test_what_is_written_instead(text: str, hint: str) -> None:
+    assert f"hint: write {hint}" in refused(text)
+
+
+def test_a_declared_unit_of_several_words_is_one_mistake() -> None:
+    err = refused("VAR v : NUMBER UNIT m/s TIMEOUT 500ms\nEVENT slow := v < 2 mps")
+    assert "hint: write UNIT mps" in err
+    assert "1 error\n" in err
+    assert "W003" not in err
+
+
+@pytest.mark.parametrize("text", ["v / 2 s > 1", "v > 5 km / t", "x <-5"])
+def test_a_division_is_one(text: str) -> None:
+    assert run("event", text, "--rate", "10", "--check", cwd=ROOT).status == 0
+
+
+pytestmark = pytest.mark.slow
+
+EVENTS = """\
+CONST limit = 80
+VAR motor.data : NUMBER UNIT degC TIMEOUT 500ms
+EVENT hot (HAZARD) := ONCE(motor.data > limit, 200ms)
+EVENT cool (EVIDENCE) := NOT hot
+"""
+SOURCES = ("-m", "Rover.yml", "-c", "eddi_config.yml")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    example = ROOT / "examples" / "rover-events"
+    shutil.copy(example / "Rover.yml", tmp_path)
+    text = (example / "eddi_config.yml").read_text("utf-8")
+    inline = 'expression: "NOT ONCE(motor.data > 80, 2s)"'
+    assert inline in text
+    text = text.replace(inline, "expression_file: safety.events\n    event: cool")
+    text = text.replace("AVERAGE(battery.percentage, 1s)", "battery.percentage")
+    (tmp_path / "eddi_config.yml").write_text(text, "utf-8")
+    (tmp_path / "safety.events").write_text(EVENTS, "utf-8")
+    return tmp_path
+
+
+def test_a_package_is_generated_run_and_upgraded(folder: Path) -> None:
+    (folder / "r.csv").write_text("t,BatteryIsFine,MotorIsCool\n0,true,true\n", "utf-8")
+    played = run("run", "Rover.yml", "-c", "eddi_config.yml", "-i", "r.csv", cwd=folder)
+    assert (played.status, played.out) == (0, "     0.000  MayDrive active\n")
+    made = run("generate", "--platform", "plain", "-o", "out", *SOURCES, cwd=folder)
+    assert made.status == 0, made.err
+    source = (folder / "out" / "rover" / "EDDIInput.py").read_text("utf-8")
+    assert "# computed: cool of safety.events: (NOT hot)\n" in source
+
+    before = files_below(folder / "out")
+    (folder / "safety.events").rename(folder / "gone.events")
+    kept = run("upgrade", "out/rover", "-m", "Rover.yml", cwd=folder)
+    assert kept.status == 0, kept.err
+    assert files_below(folder / "out") == before
+    refused = run("upgrade", "out/rover", *SOURCES, cwd=folder)
+    assert (refused.status, "[F001]" in refused.err) == (2, True)
+
+    (folder / "safety.events").write_text(EVENTS.replace("200ms", "100ms"), "utf-8")
+    newer = run("upgrade", "out/rover", *SOURCES, cwd=folder)
+    assert newer.status == 0, newer.err
+    compiled = folder / "out" / "rover" / "compiled.py"
+    assert "ONCE(motor.data > 80, 0.1 s)" in compiled.read_text("utf-8")

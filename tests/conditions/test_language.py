@@ -1,6 +1,7 @@
 """The language: every diagnostic with its exact place and text, types, units, names, limits."""
 
 import random
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -30,103 +31,11 @@ def problems(text: str, *, rate: float | None = 10, known: bool = True) -> list[
     return [f"{p.place.line}:{p.place.col} {p.case}" for p in analysis.problems]
 
 
-OF_KNOWN_VARIABLES = r"""
-1:7 E001.character | x > 5 & a
-1:10 E001.word | x > 5 AND
-1:7 E001.word | (x > 5
-1:6 E001.word | a == NOT b
-1:7 E001.rest | x > 5 y
-1:7 E001.chain | x < 5 < y
-1:8 E005.duration | MAX(x, y) > 1
-1:8 E005.no_time | MAX(x, 0s) > 1
-1:8 E005.short_window | MAX(x, 50ms) > 1
-1:1 E006.unknown_function | MAXX(x, 5s) > 1
-1:1 E006.arguments | ABS(x, y) > 1
-1:12 E001.word | MAX(x, 5s, 3) > 1
-1:1 E006.bounds | HYSTERESIS(x, 5, 5)
-1:3 E007.comparison | x == a
-1:1 E007.operand | a + x > 1
-1:5 E007.age | AGE(x + 1) > 2
-1:21 E007.event | EVENT e (HAZARD) := x + 1
-1:1 E008.unknown_variable | tmp > 5 AND tmp < 9
-1:5 E009.one_side | x > 5 m
-1:15 E009.one_side | RATE(d, 5s) > 5 m
-1:5 E009.apart | d > 5 degC
-1:5 E009.scale | d > e
-1:8 E009.apart | temp > 5 K
-1:6 E009.unknown | d > 5mmm
-1:7 E008.uses_itself | EVENT p (HAZARD) := q EVENT q (HAZARD) := NOT p
-1:19 E008.two_meanings | CONST k = 5 CONST k = 6 x > k
-1:1 E001.literal | UNKNOWN == a
-1:1 E001.reserved | coverage > 5
-1:5 E001.reserved | VAR not : BOOL
-1:5 E013.number | x > 1e999
-1:5 E013.number | x > 1e-999
-1:8 E013.duration | MAX(x, 1e30h) > 1
-1:8 E013.window | MAX(x, 90h) > 1
-1:21 E005.range | MAX(x, 5s, COVERAGE 0) > 1
-1:13 E005.not_here | ONCE(a, 5s, COVERAGE 0.5)
-1:5 W001 | x + y / 2 > 1
-1:7 W002.polarity | EVENT e := a
-1:5 W003.variable | VAR v : BOOL; v
-1:23 W002.implies | EVENT e (HAZARD) := a IMPLIES b
-1:1 W004.constant | 1 > 2
-"""
-OF_DECLARATIONS = r"""
-1:12 E005.no_rate | AVERAGE(x, 5s) > 1
-1:9 E008.unknown_type | VAR v : NUMBR TIMEOUT 1s
-1:21 E009.unknown | VAR v : NUMBER UNIT mtr TIMEOUT 1s
-1:9 E007.unit_of_other | VAR v : BOOL RANGE 0 .. 1 TIMEOUT 1s
-1:22 E007.range | VAR v : NUMBER RANGE 5 .. 1 TIMEOUT 1s
-1:34 E009.bound | VAR v : NUMBER UNIT m RANGE 0 .. 5 degC TIMEOUT 1s
-1:39 E013.number_in_unit | VAR v : NUMBER UNIT mm TIMEOUT 1s v > 1e308 km
-1:5 W003.variable + 1:30 E013.bounds | VAR v : NUMBER UNIT mm RANGE 0 .. 1e308 km
-1:21 E001.rate | VAR v : NUMBER RATE 10
-1:5 W003.variable + 1:23 E001.rest | VAR v : NUMBER TIMOUT 1s
-1:25 E008.unknown_variable | VAR v : BOOL TIMEOUT 1s UNIT\nVAR w : BOOL TIMEOUT 1s
-1:10 E001.word | EVENT e (MAYBE) := TRUE
-1:13 E008.two_meanings | ENUM E { A, A } VAR v : E TIMEOUT 1s
-1:3 E001.index_or_key | x[1.5] > 2
-1:11 E007.operand | x > 1 AND x
-1:37 E007.order | ENUM E { A } VAR v : E TIMEOUT 1s v < A
-"""
-OF_USED_NAMES = r"""
-1:25 E008.unknown_variable | VAR v : BOOL TIMEOUT 1s rate > 3
-1:25 E005.range | AVERAGE(x, 5s, COVERAGE 2) > 1
-2:1 E008.unknown_variable | VAR x : NUMBER TIMEOUT 1s\ny > 1
-1:1 E007.list | scan.ranges[*] > 1
-1:21 E001.word | MIN(scan.ranges[*], 5s) > 1
-1:1 E007.two_messages | MIN(a.x[*] + b.y[*]) > 1
-1:1 E007.two_lists | MIN(a.x[*] + a.b.y[*]) > 1
-1:1 E007.two_lists | MIN(a.x[*] + a.y[1..2]) > 1
-1:1 E007.two_lists | MIN(a[*].x + a[*].y[*]) > 1
-1:5 E007.objection | ANY(RISE(a.x[*] > 1))
-1:5 E007.objection | MIN(AGE(a.x[*]) + a.x[*]) > 1
-1:1 E006.needs_list | ANY(x > 1)
-1:1 E006.no_list | RATE(a.x[*]) > 1
-1:5 E007.objection | MIN(MIN(a.x[*]) + a.x[*]) > 1
-1:26 E006.length | MIN(a.x[*], LENGTH 5 .. 2) > 1
-1:22 E005.range | MIN(a.x[*], COVERAGE 0) > 1
-1:25 E001.word | MIN(a.x[*], COVERAGE 1, COVERAGE 1) > 1
-1:13 E001.word | MIN(a.x[*], SOME 1) > 1
-1:20 E009.sector | MIN(a.x[*], SECTOR 0 .. 1) > 1
-1:20 E009.sector | MIN(a.x[*], SECTOR -1 .. 1 rad) > 1
-1:26 E001.word | MIN(a.x[*], SECTOR -1 rad, 1 rad) > 1
-1:13 E007.empty_sector | MIN(a.x[*], SECTOR 1 rad .. 0 rad) > 1
-1:15 E007.scan | MIN(a.x[*].y, SECTOR 0 rad .. 1 rad) > 1
-1:9 E001.word | MIN(a.x[2..1]) > 1
-1:1 E006.arguments | LEAST(x) > 1
-1:1 E006.bounds | CLAMP(x, 2, 1) > 1
-1:8 E007.operand | NUMBER(x + 1) > 1
-"""
+TABLES = Path(__file__).with_name("language.txt").read_text("utf-8").split("\n\n")
 ALL = [
     pytest.param(*row.split(" | "), rate, known, id=row)
-    for table, rate, known in (
-        (OF_KNOWN_VARIABLES, 10, True),
-        (OF_DECLARATIONS, None, False),
-        (OF_USED_NAMES, 10, False),
-    )
-    for row in table.strip().splitlines()
+    for table, rate, known in zip(TABLES, (10, None, 10), (True, False, False), strict=True)
+    for row in table.strip().splitlines()[1:]
 ]
 
 
@@ -258,3 +167,33 @@ def check_places(text: str) -> None:
         assert 1 <= problem.place.line <= len(lines)
         assert 1 <= problem.place.col <= len(lines[problem.place.line - 1]) + 1
     assert (result.program is None) == any(p.level == "error" for p in result.problems)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("x > 5", {"x": NUMBER}),
+        ("NOT a", {"a": BOOL}),
+        ("x == 5", {"x": NUMBER}),
+        ("TRUE != a", {"a": BOOL}),
+        ("x + 1 == y", {"x": NUMBER, "y": NUMBER}),
+        ("(x > 1) == a", {"x": NUMBER, "a": BOOL}),
+        ("x == y AND y > 3", {"x": NUMBER, "y": NUMBER}),
+        ("y > 3 AND x == y", {"x": NUMBER, "y": NUMBER}),
+        ("x == y AND y == z AND NOT x", {"x": BOOL, "y": BOOL, "z": BOOL}),
+        ("x == y AND z == w AND y == w AND z < 1", dict.fromkeys("xyzw", NUMBER)),
+        ("x == x AND x > 1", {"x": NUMBER}),
+        ("KNOWN(x) AND AGE(x) < 1 AND x > 2", {"x": NUMBER}),
+    ],
+)
+def test_one_side_has_the_type_of_the_other(text: str, expected: dict[str, object]) -> None:
+    result = analyse(text, rate=10)
+    assert [entry.message for entry in result.problems] == []
+    assert {entry.name: entry.type for entry in result.variables} == expected
+
+
+@pytest.mark.parametrize("text", ["x == y", "KNOWN(x)", "x == y AND y == z AND z == x"])
+def test_what_no_use_decides_is_asked_for(text: str) -> None:
+    result = analyse(text, rate=10)
+    assert result.program is None
+    assert {entry.code for entry in result.problems} == {"E008"}

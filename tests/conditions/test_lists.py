@@ -147,7 +147,6 @@ def sample(rng: random.Random) -> dict[str, Any]:
 
 
 def generated(text: str) -> Any:
-    """Return the monitor of the generated module."""
     ((name, module),) = generate(analyse(text, rate=10), "python", "lists").items()
     names: dict[str, Any] = {"__name__": "lists_event"}
     exec(compile(module, name, "exec", dont_inherit=True), names)

@@ -16,8 +16,6 @@ from tests.deployments.world import Deployment, History, Member, Publisher, Samp
 
 @dataclass(frozen=True)
 class Case:
-    """One deployment on disk."""
-
     # what the file says, beside the models and configurations that were written out
     content: Mapping[str, Any]
     folder: Path  # where these are
@@ -29,7 +27,6 @@ class Case:
 
 
 def read_case(text: str, folder: Path) -> Case:
-    """Read a case and write its files into a folder."""
     content = yaml.load(text, yaml.CSafeLoader)
     for name, data in content["files"].items():
         (folder / name).write_text(data, encoding="utf-8")
@@ -82,7 +79,6 @@ def _sample(row: Sequence[Any], types: Mapping[str, str]) -> Sample:
 
 
 def data_message(message_type: str, value: Any) -> Message:
-    """Return a message of ``std_msgs`` with a value in its field ``data``."""
     message = blank(message_type)
     message.data = value
     return message

@@ -19,8 +19,6 @@ END = 4500
 
 @dataclass(frozen=True)
 class Instance:
-    """One monitor of a draft."""
-
     name: str
     template: Template
     topics: Mapping[str, str]  # id of each simulator output -> topic
@@ -29,8 +27,6 @@ class Instance:
 
 
 class Value(NamedTuple):
-    """What a source says at a time."""
-
     t: int
     topic: str
     value: Any
@@ -39,8 +35,6 @@ class Value(NamedTuple):
 
 @dataclass(frozen=True)
 class Draft:
-    """A deployment and what happens to it."""
-
     instances: tuple[Instance, ...]  # in the order in which they step
     offers: Mapping[str, str]  # topic of a source -> what it offers
     values: tuple[Value, ...]
@@ -48,12 +42,10 @@ class Draft:
 
     @property
     def accepts(self) -> bool:
-        """Whether a configuration accepts less than the property."""
         return any(instance.template.accepts for instance in self.instances)
 
 
 def deployment_of(draft: Draft) -> Deployment:
-    """Return a draft with the product's monitors in it."""
     members = tuple(member_of(instance) for instance in draft.instances)
     samples = tuple(
         Sample(one.t, one.topic, _message(draft.offers[one.topic], one.value), one.latched)
@@ -78,7 +70,6 @@ def _publisher(template: Template, topic: str) -> Publisher:
 
 
 def member_of(instance: Instance) -> Member:
-    """Return a monitor of the pool at its place in a deployment."""
     monitor = bound(instance.template)
     publisher = _publisher(instance.template, instance.out)
     every = instance.template.every

@@ -37,7 +37,6 @@ def draft_of(rng: Random, with_it: Template | None = None) -> Draft:
 
 
 def with_history(rng: Random, wiring: Wiring) -> Draft:
-    """Draw what happens to monitors and their sources."""
     instances = wiring.instances
     if rng.random() < 0.3:  # not everybody steps behind those that it listens to
         rng.shuffle(instances)
@@ -180,7 +179,6 @@ class Latched(Observer):
     """Lets latched messages count as new."""
 
     def received(self, member: Member, t: int, messages: Sequence[Received]) -> Sequence[Received]:
-        """Return the messages without the mark."""
         return [replace(one, latched=False) for one in messages]
 
 
@@ -191,7 +189,6 @@ class Ageless(Observer):
         self._latest: dict[tuple[str, str], Received] = {}
 
     def received(self, member: Member, t: int, messages: Sequence[Received]) -> Sequence[Received]:
-        """Return the messages, and the last ones of the sources that are silent."""
         self._latest.update(((member.name, one.source), one) for one in messages)
         new = {one.source for one in messages}
         again = [
@@ -202,7 +199,6 @@ class Ageless(Observer):
         return [*messages, *(replace(one, t=t * MS) for one in again)]
 
     def begun(self, member: Member) -> None:
-        """Forget what the process had received."""
         self._latest = {key: one for key, one in self._latest.items() if key[0] != member.name}
 
 
@@ -229,7 +225,6 @@ def fleet(rng: Random, *, shared: bool) -> Draft:
 
 
 def robot_of(draft: Draft, name: str) -> Draft:
-    """Return one robot of a fleet, alone."""
     own = tuple(one for one in draft.instances if one.name.startswith(f"{name}_"))
     return replace(draft, instances=own)
 
@@ -261,7 +256,6 @@ RUNTIME: Mapping[str, Callable[[], Observer]] = {"latched": Latched, "ageless": 
 
 
 def faulty(fault: str, rng: Random) -> Draft:
-    """Draw a deployment that has a fault, beside other monitors."""
     if fault == "latched":
         return next(draft for draft in iter(lambda: draft_of(rng), None) if _latches(draft))
     if fault in RUNTIME:

@@ -19,7 +19,6 @@ from tests.deployments.world import MS, Claims, Deployment, Member, Observer, Wo
 
 @cache
 def path_of(text: str) -> FieldPath:
-    """Return a field path in steps."""
     return parse_field(text)
 
 
@@ -135,12 +134,10 @@ class Completion(Observer):
             self._said.setdefault(one.topic, []).append((one.t, one.value))
 
     def begun(self, member: Member) -> None:
-        """Forget what the process had received, and how far gone things seemed to be."""
         self._latest[member.name] = {}
         self._gone = {key: rank for key, rank in self._gone.items() if key[0] != member.name}
 
     def received(self, member: Member, t: int, messages: Sequence[Received]) -> Sequence[Received]:
-        """Return what was received, and a message in the place of each with an unknown leaf."""
         latest = self._latest[member.name]
         latest.update((one.source, one) for one in messages)
         instance = self._instances[member.name]
@@ -194,7 +191,6 @@ class Completion(Observer):
     def published(
         self, member: Member, t: int, messages: Sequence[tuple[str, Message]]
     ) -> Sequence[tuple[str, Message]]:
-        """Return messages in which a scope that has no verdict says any."""
         if member.monitor.kind.name != "safeml":
             return messages
         omitted = any(getattr(message, "omission", False) for _, message in messages)
@@ -222,7 +218,6 @@ class Silence(Observer):
         self._latest: dict[tuple[str, str], Received] = {}
 
     def received(self, member: Member, t: int, messages: Sequence[Received]) -> Sequence[Received]:
-        """Return the messages of the other topics; those of these ones are from long ago."""
         if t < self._since:
             self._latest.update(((member.name, one.source), one) for one in messages)
             return messages
@@ -244,7 +239,6 @@ class Silence(Observer):
         return replace(last, t=-(10**15), message=message)
 
     def begun(self, member: Member) -> None:
-        """Forget what the process had received."""
         self._latest = {key: one for key, one in self._latest.items() if key[0] != member.name}
 
 
@@ -256,8 +250,6 @@ _WINDOW = 2000
 
 @dataclass(frozen=True)
 class Violation:
-    """A claim that should not be there."""
-
     rule: str
     t: int
     output: str
@@ -271,8 +263,6 @@ Steps = Mapping[int, Claims]
 
 @dataclass
 class Check:
-    """The looks at one deployment."""
-
     draft: Draft
     rng: Random
     # makes the observer of the real world, for a fault that lies in no wiring
@@ -285,7 +275,6 @@ class Check:
         self._running = running_of(self.draft)
 
     def violation(self) -> Violation | None:
-        """Return the first claim that is wrong, if there is one."""
         real = dict(self._run(self._deployment, self.faulty()))
         checks = [self._sound]
         if not self.draft.accepts:

@@ -65,7 +65,6 @@ def test_claims(case: Case) -> None:
 def _wrong(
     want: Mapping[str, Any], steps: Mapping[int, Claims], hazards: set[str]
 ) -> Iterator[str]:
-    """Yield the times at which an output is not as it must be."""
     first, last, output = round(want["from"] * 1000), round(want["to"] * 1000), want["output"]
     assert output in steps[first], (output, first)
     assert output in steps[last], (output, last)

@@ -18,8 +18,6 @@ from eddi_scaffold.recordings.playing import compiled
 
 
 class Sample(NamedTuple):
-    """A message of a source; latched: it came on subscription."""
-
     t: int
     topic: str
     message: Message
@@ -28,8 +26,6 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True)
 class History:
-    """What happens to a deployment."""
-
     until: int
     samples: tuple[Sample, ...] = ()
     # name, from, to: the process does not run, and begins anew at the end
@@ -42,7 +38,6 @@ class History:
     latching: bool = False
 
     def at(self, t: int) -> Sequence[Sample]:
-        """Return the samples of a time."""
         return self._by_time.get(t, ())
 
     @cached_property
@@ -53,16 +48,13 @@ class History:
         return found
 
     def is_dead(self, name: str, t: int) -> bool:
-        """Tell whether a process does not run."""
         return any(who == name and begin <= t < end for who, begin, end in self.dead)
 
     def begins(self, name: str, t: int) -> bool:
-        """Tell whether a process begins anew."""
         ends = any(who == name and end == t for who, _, end in self.dead)
         return ends or (t, name) in self.restarts
 
     def offset(self, t: int) -> int:
-        """Return by how much the clock of the steps is off."""
         return sum(by for since, by in self.clock if since <= t)
 
 
@@ -70,7 +62,6 @@ Published = Sequence[tuple[str, Message]]
 
 
 def resolved(topic: str, namespace: str = "") -> str:
-    """Return the full name of a topic, as ROS finds it for a node of a namespace."""
     if topic.startswith("/"):
         return topic
     return f"/{namespace}/{topic}".replace("//", "/")
@@ -107,11 +98,9 @@ class Publisher(ProductPublisher):
         self._claiming = {one.topic for one in self.channels if one.publication.of == claims}
 
     def messages(self, running: RunningMonitor, output: Any, wanted: Collection[str]) -> Any:
-        """Return the messages of a step that somebody reads, and those that claim something."""
         return super().messages(running, output, {*wanted, *self._claiming})
 
     def claims(self, told: Published) -> Mapping[str, bool]:
-        """Return output -> whether what was published claims something good."""
         found: dict[str, bool] = {}
         for _, message in told:
             kind = message.message_type.partition("/")[2]
@@ -141,8 +130,6 @@ CLOCK_START = 1_000_000_000
 
 @dataclass(frozen=True)
 class Member:
-    """One monitor of a deployment."""
-
     name: str
     monitor: BoundMonitor
     topics: Mapping[str, str]  # id of each simulator output -> full name of its topic
@@ -181,8 +168,6 @@ Claims = Mapping[str, bool]
 
 @dataclass
 class _Process:
-    """One running monitor."""
-
     node: ReplayedNode
     inbox: list[Received] = field(default_factory=list)
 
@@ -228,7 +213,6 @@ class World:
         self._processes = {member.name: self._begun(member) for member in deployment.members}
 
     def run(self) -> Iterator[tuple[int, Claims]]:
-        """Yield the claims of the monitors that step, at each time of the grid."""
         for t in range(0, self._history.until + 1, self._deployment.tick):
             yield t, self._tick(t)
 

@@ -43,5 +43,4 @@ def texts(problems: Iterable[Problem]) -> list[str]:
 
 
 def codes(problems: Iterable[Problem]) -> set[str]:
-    """Return the codes of the problems."""
     return {p.code for p in problems}

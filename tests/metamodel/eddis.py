@@ -22,8 +22,6 @@ Holds = Callable[[Mapping[str, bool]], bool]
 
 
 class Builder:
-    """Objects, with references written when all of them are there."""
-
     def __init__(self, random: Random) -> None:
         self.random = random
         self.prefixes = {key: key + random.choice(["", "_", "2"]) for key in PACKAGES}
@@ -69,24 +67,16 @@ class Builder:
 
 @dataclass
 class Eddi:
-    """A file and what it must give.
-
-    Attributes:
-        leaves: of the ConSert: evidence and demands.
-        guarantees: when each holds, in order.
-        p_fail: of the top of the tree.
-    """
+    """A file and what it must give."""
 
     data: bytes
-    leaves: list[str]
-    guarantees: dict[str, Holds]
-    p_fail: float
+    leaves: list[str]  # of the ConSert: evidence and demands
+    guarantees: dict[str, Holds]  # when each holds, in order
+    p_fail: float  # of the top of the tree
 
 
 @dataclass
 class _Graph:
-    """Elements that hold or not, by name."""
-
     element: dict[str, etree._Element] = field(default_factory=dict)
     holds: dict[str, Holds] = field(default_factory=dict)
 

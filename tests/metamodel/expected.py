@@ -18,7 +18,6 @@ def expected() -> dict[str, Any]:
 
 
 def cases(kind: str) -> list[tuple[str, dict[str, Any]]]:
-    """Return file and content of each model of a kind."""
     return [
         (file, model)
         for file, case in expected().items()

@@ -1,15 +1,20 @@
 """What the commands print about each file: nothing is lost in silence, and nothing cries wolf."""
 
 import re
+from pathlib import Path
+from typing import Any
 
 import pytest
 
-from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.eddi_xml.document import read_document
+from eddi_scaffold.eddi_xml.links import links_of
 from eddi_scaffold.eddi_xml.parsing import XMI
+from eddi_scaffold.kinds.bayesian_network.cross_check import posteriors
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
-from tests.metamodel.expected import FOLDER, expected
+from tests.kinds.bayesian_network.networks import joined, running
+from tests.metamodel.expected import FOLDER, cases, expected, models
 from tests.metamodel.test_random import NOT_THESE
 
 WRONG = re.compile(r"\[(X010|X011)\]")
@@ -59,3 +64,99 @@ def test_what_is_said_of_each_file(file: str) -> None:
     assert len(every) - len(beside) == case["objects"]
     for model in case["read"]:
         assert not re.search(rf"{re.escape(model['name'])}[^\n]* not read", text)
+
+
+def names_of(file: str) -> dict[str, list[str]]:
+    """Return what each element is linked with, the nearest first."""
+    document, _ = read_document(read_source(FOLDER / file))
+    assert document is not None
+    return {one.id: [link.name for link in one.links] for one in links_of(document).values()}
+
+
+def test_links_lead_out_of_a_model_and_along_traces() -> None:
+    names = names_of("13_all_in_one.xml")
+    for element, wanted in expected()["13_all_in_one.xml"]["links"].items():
+        assert set(wanted) <= {name.partition(" (")[0] for name in names[element]}
+    assert names["CameraFit"] == ["SR-1"]
+    assert names["GpsFit"][0] == "SR-GPS"
+    assert "SR-GPS" not in names["ReturnHome"][:2]
+
+
+CASES = cases("bayesian_network")
+
+
+@pytest.mark.parametrize(("file", "want"), CASES, ids=[file for file, _ in CASES])
+def test_content_outputs_and_posteriors(file: str, want: dict[str, Any]) -> None:
+    (model,) = (one for one in models(file) if one.name == want["name"])
+    assert {node.id: list(node.states) for node in model.data.nodes} == want["nodes"]
+    assert {node.id: list(node.parents) for node in model.data.nodes} == want["parents"]
+    assert dict(model.data.known) == want.get("evidence", {"Wind": None})
+    monitor, problems = joined(model)
+    assert monitor is not None, problems
+    assert list(monitor.model.settings.outputs) == want["targets"]
+    for row in want["posteriors"]:
+        found = posteriors(running(monitor), row["given"])
+        for node, states in row["of"].items():
+            assert list(found[node]) == pytest.approx(list(states.values()), rel=1e-9, abs=1e-15)
+
+
+def test_what_states_mean_is_said_to_be_unused() -> None:
+    text = (FOLDER / "07_bayesian_network.xml").read_text("utf-8")
+    state = '<nodeStates name="fog"/>'
+    assert text.count(state) == 1
+    text = text.replace(state, '<nodeStates name="fog"><dimension/></nodeStates>')
+    (said,) = (
+        one
+        for one in read_models(Source("07.xml", text.encode())).problems
+        if "dimension" in one.message
+    )
+    assert (said.code, said.level) == ("X014", "info")
+
+
+TOPICS = """\
+SimulatorOutputs:
+  - {id: bat, type: sensor_msgs.BatteryState, topic: /power}
+  - {id: fit, type: std_msgs.Bool, topic: /fit}
+EDDIInputs: []
+"""
+EVENT = 'name="battery above 30 %"'
+WATCH = """
+      <keyValueMaps key="eddi.events">
+        <values tag="model" value="watch"/>
+        <values tag="VAR" value="level : NUMBER TIMEOUT 500ms"/>
+        <values tag="EVENT" value="enough (EVIDENCE) := level > 0.3"/>
+      </keyValueMaps>"""
+CONFIG = """\
+Model: {id: watch, type: Event, frequency: 10}
+SimulatorOutputs:
+  - {id: bat, type: sensor_msgs.BatteryState, topic: /power}
+EDDIInputs:
+  - {id: level, requires: [bat], field: percentage, max_age: 1}
+EDDIOutputs:
+  - {id: events, topic: watch/events}
+"""
+
+
+def test_what_the_condition_reads_is_the_first_candidate(tmp_path: Path) -> None:
+    (tmp_path / "c.yml").write_text(TOPICS, "utf-8")
+    model = FOLDER / "01_consert_minimal.xml"
+    drafted = run("connect", str(model), "-o", "c.yml", "--dry-run", cwd=tmp_path).out
+    lines = [line.removeprefix("+").strip() for line in drafted.splitlines()]
+    first = lines.index("- id: BatteryFit") + 1
+    assert lines[first] == (
+        "# connect: the EDDI names the event battery above 30 % (battery.percentage > 0.3)"
+    )
+    assert 'expression: "bat.percentage == TODO"' in lines[first + 2]
+    assert "expression: fit.data" in lines[first + 3]
+    assert lines[first + 4].startswith("expression: TODO")
+
+
+def test_the_event_of_another_monitor_is_taken(tmp_path: Path) -> None:
+    text = (FOLDER / "01_consert_minimal.xml").read_text("utf-8")
+    text = text.replace(EVENT, 'name="enough"')
+    system = text.index(">", text.index("<systems ")) + 1
+    (tmp_path / "m.xml").write_text(text[:system] + WATCH + text[system:], "utf-8")
+    (tmp_path / "watch.yml").write_text(CONFIG, "utf-8")
+    drafted = run("connect", "m.xml", "--name", "Rover", "--with", "watch.yml", cwd=tmp_path)
+    assert "taken" in drafted.out, drafted.out + drafted.err
+    assert "enough fulfils it" in drafted.out

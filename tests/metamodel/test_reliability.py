@@ -79,7 +79,6 @@ def test_a_state_machine_with_rates_alone_is_a_chain(file: str, want: dict[str, 
 
 
 def changed(file: str, *pairs: tuple[str, str]) -> list[Problem]:
-    """Return the problems of a file in which texts are replaced."""
     text = (FOLDER / file).read_text("utf-8")
     for old, new in pairs:
         assert old in text

@@ -30,7 +30,6 @@ from runtime_lib.tests.compiled_models import loaded, text_of
 
 
 def node(name, states, parents=(), table=()):
-    """Return a node; states and parents as texts with blanks between them."""
     states = states.split() if isinstance(states, str) else states
     parents = parents.split() if isinstance(parents, str) else parents
     return Node(name, name, tuple(states), tuple(parents), tuple(map(float, table)))
@@ -54,8 +53,6 @@ BINS = {"Speed": SPEED_BINS, "Gap": GAP_BINS}
 
 @dataclass(frozen=True)
 class Model:
-    """A configured network with its bound inputs."""
-
     network: Network
     options: NetworkOptions
     declaration: Declaration
@@ -82,7 +79,6 @@ def model(
     evidence_mode="virtual",
     **more,
 ):
-    """Return a model; inputs are those that ``bins`` and ``direct`` name."""
     network = Network("net", tuple(nodes))
     declarations, direct = declared(bins or {}, network), dict(direct or {})
     names = dict.fromkeys([*(one.input for one in declarations), *direct.values()])
@@ -104,7 +100,6 @@ def model(
 
 
 def declared(bins, network):
-    """Return the declarations of nodes."""
     return tuple(
         NodeDeclaration(name, one["input"], "float", reader(one, network.node(name).states))
         for name, one in bins.items()
@@ -118,7 +113,6 @@ def reader(one, states):
 
 
 def threshold(name="Low", node="Risk", states=("High",), hold_s=0.0, release=None, **limit):
-    """Return a threshold: ``at_most`` or ``at_least``, and ``release``, by default the same."""
     ((key, activate),) = limit.items()
     release = activate if release is None else release
     return Threshold(name, node, tuple(states), key == "at_least", activate, release, hold_s, None)
@@ -149,13 +143,11 @@ def compiled(net, outputs, observable, **options):
 
 
 def engine(net, outputs, observable, **options):
-    """Return what infers in a compiled network."""
     made = compiled(net, outputs, observable, **options)
     return Engine(made.nodes, made.foreseen)
 
 
 def discretiser(given, states, spec):
-    """Return the reader of a discretisation as a compiled monitor has it."""
     given = {key: value for key, value in given.items() if value is not None}
     arguments = reader(given, states)
     remembers = arguments.hysteresis or arguments.policy == "hold"
@@ -242,7 +234,6 @@ def enumerate_all(net, outputs, observable, states, weights, number=float):
 
 
 def exactly(*args):
-    """Return the posteriors in exact arithmetic, rounded once."""
     rows = enumerate_all(*args, number=Fraction)
     return None if rows is None else [[float(value) for value in row] for row in rows]
 

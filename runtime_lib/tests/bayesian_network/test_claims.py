@@ -167,8 +167,6 @@ def test_an_input_that_is_unknown_blocks_what_is_not_active():
 
 
 class Made:
-    """Methods of a person that say what they are told."""
-
     def __init__(self):
         self.said = {}
 

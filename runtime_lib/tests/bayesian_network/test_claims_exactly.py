@@ -6,12 +6,10 @@ import random
 from fractions import Fraction
 
 import pytest
-
-from .networks import enumerate_all, give, monitor, node, random_network, threshold
-
-pytest.importorskip("hypothesis")
 from hypothesis import assume, given
 from hypothesis import strategies as st
+
+from .networks import enumerate_all, give, monitor, node, random_network, threshold
 
 SECOND = 1_000_000_000
 EDGES = (1.0, 2.0, 3.0)

@@ -1,6 +1,5 @@
 """Exact inference against the addition of all cases, in exact arithmetic."""
 
-import importlib.util
 import itertools
 import math
 import os
@@ -14,6 +13,8 @@ import eddi_runtime
 import pytest
 from eddi_runtime.bayesian_network import patterns
 from eddi_runtime.bayesian_network.tables import JointTables
+from hypothesis import given
+from hypothesis import strategies as st
 
 from eddi_scaffold.kinds.bayesian_network import inference_plan
 from eddi_scaffold.kinds.bayesian_network.joint_tables import fits
@@ -26,19 +27,13 @@ from runtime_lib.tests.bayesian_network.networks import (
     random_network,
 )
 
-pytest.importorskip("hypothesis")
-from hypothesis import given
-from hypothesis import strategies as st
-
-HAS_NUMPY = importlib.util.find_spec("numpy") is not None
 SOURCES = Path(eddi_runtime.__file__).parents[1]
 
 
 def engines(net, outputs, observable):
     """Return the tiers: with tables where they are small, and with the schedule only."""
     yield engine(net, outputs, observable)
-    if HAS_NUMPY:
-        yield engine(net, outputs, observable, tables=False)
+    yield engine(net, outputs, observable, tables=False)
 
 
 def lookup_only(made):
@@ -63,7 +58,6 @@ def test_posteriors_are_exact(seed, count):
 @pytest.mark.parametrize("tables", [False, True])
 @given(seed=st.integers(0, 10**9))
 def test_steps_in_which_every_input_is_observed(tables, seed):
-    pytest.importorskip("numpy")
     rng = random.Random(seed)
     count = rng.randint(2, 7)
     net = random_network(rng, count, most_states=3, zeros=rng.choice([0.0, 0.3]))
@@ -86,7 +80,6 @@ def test_steps_in_which_every_input_is_observed(tables, seed):
 @given(seed=st.integers(0, 10**9))
 def test_wide_parts_are_inferred_by_patterns_of_what_is_observed(seed):
     """The first step of a pattern goes the usual way, the second one makes its arrays."""
-    pytest.importorskip("numpy")
     rng = random.Random(seed)
     count = rng.randint(4, 7)
     net = random_network(rng, count, most_states=3, zeros=rng.choice([0.0, 0.3]))
@@ -106,7 +99,6 @@ def test_wide_parts_are_inferred_by_patterns_of_what_is_observed(seed):
 
 def test_a_product_of_which_all_that_it_keeps_is_observed_may_lie_the_other_way_round(monkeypatch):
     """Numpy's dot writes no array that is turned: each second step of such a pattern failed."""
-    pytest.importorskip("numpy")
     monkeypatch.setattr(inference_plan, "WIDE", 0)
     rng = random.Random(322)
     cards = (2, 2, 3, 3, 2, 3, 2, 2, 2)
@@ -126,7 +118,6 @@ def test_a_product_of_which_all_that_it_keeps_is_observed_may_lie_the_other_way_
 
 
 def test_arrays_are_made_for_patterns_that_come_again_and_are_not_too_many(monkeypatch):
-    pytest.importorskip("numpy")
     monkeypatch.setattr(inference_plan, "WIDE", 0)
     monkeypatch.setattr(inference_plan, "with_all_observed", lambda *_: ())
     monkeypatch.setattr(patterns, "_REMEMBERED", 3)
@@ -144,7 +135,6 @@ def test_arrays_are_made_for_patterns_that_come_again_and_are_not_too_many(monke
 
 
 def test_an_observed_node_may_have_very_many_states():
-    pytest.importorskip("numpy")
     card = 300
     rows = [[(k + 1) / 302, 1.0 - (k + 1) / 302] for k in range(card)]
     flat = [value for row in rows for value in row]
@@ -157,7 +147,6 @@ def test_an_observed_node_may_have_very_many_states():
 @pytest.mark.parametrize("tables", [True, False])
 def test_improbable_is_not_impossible(tables):
     """Products far below the least double: only an exact zero is a contradiction."""
-    pytest.importorskip("numpy")  # such a network is not for tables
     tiny = 1e-200
     rows = [tiny, 1.0 - tiny, 3.0 * tiny, 1.0 - 3.0 * tiny]
     net = network([2, 2, 2, 2], [(), (0,), (0,), (0,)], [[0.5, 0.5], rows, rows, rows])
@@ -177,7 +166,6 @@ def test_tiny_likelihoods_in_tables():
 
 
 def test_steps_do_not_allocate_for_good():
-    pytest.importorskip("numpy")
     rng = random.Random(7)
     net = random_network(rng, 30, zeros=0.0)
     observable = sorted(rng.sample(range(29), 14))
@@ -199,7 +187,6 @@ def test_steps_do_not_allocate_for_good():
 
 
 def test_results_are_the_callers_own():
-    pytest.importorskip("numpy")
     net = random_network(random.Random(3), 5, zeros=0.0)
     for made in engines(net, [4], [0, 1]):
         first = made.infer([0, 0])

@@ -27,8 +27,6 @@ SLOW_NEAR = {"yes": 0.6, "no": 0.4}
 
 
 def hostile():
-    """Return objects that raise whatever they are asked."""
-
     class Hostile:
         def __getattribute__(self, name):
             raise RuntimeError(name)

@@ -7,12 +7,9 @@ import warnings
 from pathlib import Path
 
 import pytest
-
-pytest.importorskip("hypothesis")
 from hypothesis import settings
 
 pytest.importorskip("pgmpy", reason="pgmpy is no dependency")
-pytest.importorskip("numpy")
 
 from eddi_scaffold.kinds.bayesian_network.network import NumberedNetwork, Shape
 from runtime_lib.tests.bayesian_network.networks import engine, furthest
@@ -106,7 +103,6 @@ def ours(model):
 
 
 def sample(rng, net):
-    """Return states that are possible together."""
     found = {}
     while len(found) < len(net.shape.names):
         for node, parents in enumerate(net.shape.parents):

@@ -56,14 +56,12 @@ def form(*outputs, variables=("x", "y", "a", "b"), period=SECOND, **said):
 
 
 def events(program, inputs, name="Test"):
-    """Return the events of a program, with their inputs."""
     return bound_model(
         "event", name, Events("", Analysis((), (), (), {}, program, ""), 1.0), None, inputs
     )
 
 
 def bound(*outputs, inputs=None, **options):
-    """Return a model of the kind ``event``, with its inputs."""
     found = form(*outputs, **options)
     names = [read.name for read in found.reads]
     return events(found, [bound_input(one, **(inputs or {}).get(one, {})) for one in names])
@@ -74,7 +72,6 @@ def monitor(*outputs, **options):
 
 
 def expression(document):
-    """Return the compiled expression of an input."""
     head = ["from eddi_runtime import expressions", 'NAN = float("nan")']
     head += [
         "from eddi_runtime.expressions import expression, hold, lists, stacks, window, windows"

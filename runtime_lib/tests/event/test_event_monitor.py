@@ -15,8 +15,6 @@ NAN = float("nan")
 
 
 class Hostile:
-    """Raises whatever is asked of it."""
-
     def __getattribute__(self, name):
         raise RuntimeError(name)
 

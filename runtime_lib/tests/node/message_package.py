@@ -24,7 +24,6 @@ class Message:
 
 
 def package(name: str, texts: dict[str, str]) -> SimpleNamespace:
-    """Return what a transport's module of message classes holds."""
     made = {
         one: type(one, (Message,), {"FIELDS": _fields(text), "TYPE": f"{name}/{one}"})
         for one, text in texts.items()
@@ -58,5 +57,4 @@ STD_MSGS = package(
 
 
 def converter(module: SimpleNamespace = EDDI_MESSAGES, stamp: Any = lambda: 7.0) -> Converter:
-    """Return what makes messages of a package."""
     return Converter(module, lambda cls: cls.FIELDS, lambda message: message.TYPE, stamp)

@@ -151,7 +151,6 @@ class Robot:
         self._planned.sort(key=lambda one: one[0])
 
     def run(self, until):
-        """Let time pass."""
         while True:
             due = [one.schedule.wait_s(self.now) + self.now for one in self._nodes]
             planned = [at for at, _, _ in self._planned[:1]]
@@ -195,11 +194,9 @@ def generated(package, base, monkeypatch):
 
 
 def full(topic):
-    """Return the full name of a topic."""
     return topic if topic.startswith("/") else f"/{topic}"
 
 
 def forget(package):
-    """Let the next import of a package find it anew."""
     for name in [one for one in sys.modules if one.partition(".")[0] == package]:
         del sys.modules[name]

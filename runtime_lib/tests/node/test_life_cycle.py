@@ -63,8 +63,6 @@ class Graph:
 
 
 class OnGraph(Node):
-    """Base class of the generated node."""
-
     FREQUENCY = 200.0
 
     def __init__(self, monitor, eddi_input, graph):
@@ -85,8 +83,6 @@ class OnGraph(Node):
 
 
 class Robot:
-    """One node with a life cycle, and a person who says its states."""
-
     def __init__(self, monkeypatch):
         found = generated("consertb", OnGraph, monkeypatch)
         self.cls = type("RosNode", (found["RosNode"],), {"FREQUENCY": 200.0})

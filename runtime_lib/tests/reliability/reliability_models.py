@@ -40,8 +40,6 @@ NS = 1_000_000_000
 
 
 class Model(NamedTuple):
-    """Models in the form in which the runtime evaluates them, with their inputs."""
-
     lowered: LoweredSystem
     system: ReliabilitySystem
     declaration: Declaration
@@ -64,7 +62,6 @@ class Model(NamedTuple):
 def monitor(
     components: Sequence[Dict[str, Any]], inputs: Iterable[str] = (), **options: Any
 ) -> Reliability:
-    """Compile a monitor; the last component is the top."""
     return model(components, inputs, **options).monitor()
 
 
@@ -155,12 +152,10 @@ def quad(rate: float, **more: Any) -> Dict[str, Any]:
 
 
 def tree(events: List[Dict[str, Any]], gates: List[Dict[str, Any]], **more: Any) -> Dict[str, Any]:
-    """Return a fault tree whose last gate is the top."""
     top = len(events) + len(gates) - 1
     base = {"name": "tree", "type": "fault_tree", "repair": False, "top": top}
     return {**base, "events": events, "gates": gates, **more}
 
 
 def event(law: str, *values: float, **more: Any) -> Dict[str, Any]:
-    """Return a basic event."""
     return {"name": law, "law": law, "values": values, **more}

@@ -7,18 +7,17 @@ all inputs known, so nothing is asked of the mechanism that bounds them.
 import itertools
 import random
 
+import numpy as np
 import pytest
 
-np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first
+from runtime_lib.tests.reliability.reliability_models import (
     chain,
     event,
     monitor,
     tree,
 )
-from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
-from runtime_lib.tests.reliability.test_unknown_inputs import KINDS, LEVELS, PARTS  # noqa: E402
+from runtime_lib.tests.reliability.test_reliability_monitor import step
+from runtime_lib.tests.reliability.test_unknown_inputs import KINDS, LEVELS, PARTS
 
 QUANTUM = 360.0
 GOAL, LONG_GOAL = 1_000, 50_000

@@ -6,10 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-from eddi_scaffold.kinds.reliability.trial import look_ahead  # noqa: E402 - as above
-from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first
+from eddi_scaffold.kinds.reliability.trial import look_ahead
+from runtime_lib.tests.reliability.reliability_models import (
     NS,
     chain,
     compiled,

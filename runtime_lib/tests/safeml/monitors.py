@@ -29,7 +29,6 @@ def scope(
     input_keys=(),
     **settings,
 ):
-    """Return a SafeML monitor with its input."""
     is_ks = metric == "ks"
     threshold = threshold or (28 if is_ks else 0.7)
     settings = SafeMLSettings(4, reference, 0.1, metric, stride=stride, **settings)

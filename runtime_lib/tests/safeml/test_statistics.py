@@ -1,16 +1,52 @@
 """Every statistic equals its definition, from whatever side it is computed."""
 
-import pytest
+from fractions import Fraction
 
-np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.safeml.comparison import (  # noqa: E402 - numpy comes first
+import numpy as np
+import pytest
+from eddi_runtime.safeml import arrays
+from eddi_runtime.safeml.comparison import (
     Comparison,
     CramerVonMises,
     Window,
 )
 
-from eddi_scaffold.kinds.safeml.thresholds import of_windows  # noqa: E402
-from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
+from eddi_scaffold.kinds.safeml.thresholds import of_windows
+
+
+def kolmogorov_smirnov(reference, window):
+    """n m D."""
+    n, m = len(reference), len(window)
+    points = [*reference, *window]
+    return max(
+        abs(sum(x <= z for x in reference) * m - sum(w <= z for w in window) * n) for z in points
+    )
+
+
+def cramer_von_mises(reference, window):
+    n, m = len(reference), len(window)
+    squares = sum(
+        (Fraction(sum(x <= z for x in reference), n) - Fraction(sum(w <= z for w in window), m))
+        ** 2
+        for z in [*reference, *window]
+    )
+    return float(Fraction(n * m, (n + m) ** 2) * squares)
+
+
+def anderson_darling(reference, window):
+    n, m = len(reference), len(window)
+    pooled = [*reference, *window]
+    total = Fraction(0)
+    for z in sorted(set(pooled))[:-1]:
+        equal = sum(p == z for p in pooled)
+        b = sum(p <= z for p in pooled)
+        of_reference = sum(x <= z for x in reference)
+        total += Fraction(equal * ((n + m) * of_reference - n * b) ** 2, b * (n + m - b))
+    return float(total / (n * m))
+
+
+LITERAL = {"ks": kolmogorov_smirnov, "cvm": cramer_von_mises, "ad": anderson_darling}
+
 
 METRICS = tuple(LITERAL)
 
@@ -92,3 +128,42 @@ def test_a_million_steps_do_not_drift(metric, request):
     assert (window._tied, window._equal) == (fresh._tied, fresh._equal)
     assert vars(window).keys() == before
     assert len(window._ties) == 20
+
+
+def test_an_absent_library_is_said_and_numpy_used(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "torch", None)
+    with pytest.warns(RuntimeWarning, match="numpy is used, because torch cannot be"):
+        assert arrays.torch_or_numpy().name == "numpy"
+
+
+def cases():
+    chance = np.random.RandomState(9)
+    for levels in (None, 6):
+        pooled = chance.normal(size=(3, 80 + 5 * 12))
+        pooled = pooled if levels is None else np.round(pooled * levels) / levels
+        windows = pooled[:, 80:].reshape(3, 5, 12).swapaxes(0, 1)
+        yield np.sort(pooled[:, :80], axis=1), np.ascontiguousarray(windows)
+
+
+class Renamed(arrays.Backend):
+    """Stands for an array library of another name: nothing may go by lists or numpy's own ways."""
+
+    def __init__(self):
+        super().__init__(np, "renamed")
+
+    def numpy(self, values):
+        return values
+
+
+@pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
+def test_the_way_of_other_libraries(metric):
+    from eddi_runtime.safeml.comparison import Window
+
+    for reference, windows in cases():
+        there = Comparison(metric, reference, 12, Renamed())
+        window = Window(there)
+        for sample in windows[0].T:
+            window.push(np.ascontiguousarray(sample))
+        expected = of_windows(Comparison(metric, reference, 12), windows)
+        np.testing.assert_array_equal(window.statistics(), expected[0])
+        np.testing.assert_array_equal(of_windows(there, windows), expected)

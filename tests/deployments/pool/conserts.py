@@ -32,7 +32,6 @@ GOOD_VALUES: Mapping[str, Any] = {"float": 10.0, "str": "clear", "bool": True}
 
 
 def conserts(count: int) -> Iterator[Template]:
-    """Yield ConSerts whose inputs read in sound ways."""
     ways = [SOURCES["flag"], SOURCES["size"], SOURCES["text"], *GOOD.values()]
     for number in range(count):
         rng = Random(f"consert {number}")

@@ -76,7 +76,6 @@ def _declared(name: str, slot: Slot, rng: Random) -> str:
 
 
 def _of_reliability() -> Template:
-    """Return an event over two fields of one message."""
     reading = GOOD["number of fit"]
     slot = Slot("s_r", reading, 1.2)
     config = Config("event_fit", "Event", ("file", "event_fit.events"))

@@ -86,7 +86,6 @@ OBSERVED: Mapping[str, tuple[Reading, Mapping[str, Any], Any]] = {
 
 
 def networks(count: int) -> Iterator[Template]:
-    """Yield networks with a threshold."""
     for number in range(count):
         rng = Random(f"network {number}")
         threshold = THRESHOLDS[number % len(THRESHOLDS)]

@@ -43,20 +43,17 @@ def unsound() -> Mapping[str, Template]:
 
 @cache
 def rings() -> Sequence[Template]:
-    """Return two templates that wait for each other."""
     return tuple(ring())
 
 
 @cache
 def offering(offer: str) -> Sequence[Template]:
-    """Return the templates that offer something."""
     pool = [*(one for group in sound().values() for one in group), bare_network()]
     return [one for one in pool if offer in one.offers]
 
 
 @cache
 def bound(template: Template) -> BoundMonitor:
-    """Return the monitor of a template, as the product reads and joins its files."""
     with tempfile.TemporaryDirectory() as folder:
         for name, text in template.files.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")

@@ -42,8 +42,6 @@ def _is_whole(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class Leaf:
-    """One field of a message."""
-
     path: str  # to the field
     # values that it may have while it is unknown; the unfavourable ones may come first or last
     domain: tuple[Any, ...]
@@ -70,7 +68,6 @@ def _source(offer: str, name: str, leaf: Leaf, kind: str) -> Reading:
 
 
 def flag(path: str) -> Leaf:
-    """Return a leaf that is a Boolean."""
     return Leaf(path, FLAGS, _is_flag)
 
 
@@ -186,8 +183,6 @@ Rank = Callable[[Any], int]
 
 @dataclass(frozen=True)
 class Slot:
-    """One message that a monitor reads."""
-
     source: str  # id of the simulator output; its topic is called so, too
     reading: Reading
     limit: float | None  # seconds after which its leaves are unknown, `None`: never, on purpose
@@ -199,14 +194,11 @@ class Slot:
 
     @property
     def accepts(self) -> bool:
-        """Whether a key of its own accepts less than the property."""
         return self.limit is None or self.accepts_default or self.accepts_unknown
 
 
 @dataclass(frozen=True, eq=False)
 class Template:
-    """One model with its configuration."""
-
     name: str
     kind: str
     files: Mapping[str, str]  # name -> text; `<name>_config.yml` is the configuration
@@ -217,19 +209,15 @@ class Template:
 
     @property
     def accepts(self) -> bool:
-        """Whether the configuration accepts less than the property, by a key of its own."""
         return any(slot.accepts for slot in self.slots)
 
     @property
     def listens(self) -> bool:
-        """Whether it reads what another monitor publishes."""
         return any(slot.reading.offer not in SOURCE_TYPES for slot in self.slots)
 
 
 @dataclass
 class Config:
-    """Collects what a configuration says."""
-
     name: str
     type: str
     parameter: tuple[str, str]
@@ -240,12 +228,10 @@ class Config:
     alone: list[dict[str, Any]] = field(default_factory=list)
 
     def source(self, slot: Slot) -> None:
-        """Declare the message of a slot."""
         message = slot.reading.message_type.replace("/", ".")
         self.sources.append({"id": slot.source, "type": message, "topic": slot.source})
 
     def input(self, name: str, slot: Slot, **more: Any) -> None:
-        """Declare an input that reads a slot as a whole."""
         reading = slot.reading
         row: dict[str, Any] = {"id": name, "type": reading.type}
         if reading.expression is not None:
@@ -259,7 +245,6 @@ class Config:
         self.source(slot)
 
     def text(self) -> str:
-        """Return the configuration as YAML."""
         key, file = self.parameter
         head = {"id": self.name, "type": self.type, "frequency": 1000 / self.every}
         document = {
@@ -284,7 +269,6 @@ _Dumper.add_representer(str, _text)
 
 
 def dump(document: Mapping[str, Any]) -> str:
-    """Return plain data as YAML, in the order in which it was made."""
     return yaml.dump(document, Dumper=_Dumper, sort_keys=False, allow_unicode=True)
 
 

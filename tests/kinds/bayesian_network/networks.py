@@ -29,7 +29,6 @@ def read_path(path: Path) -> Model:
 
 
 def joined(model: Model, config: str | None = None) -> tuple[BoundMonitor | None, list[Problem]]:
-    """Join a model with the text of a configuration."""
     if config is None:
         return monitor_of(model, None)
     file, problems = read_config(Source("eddi_config.yml", config.encode()))

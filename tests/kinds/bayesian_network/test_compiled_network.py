@@ -5,8 +5,6 @@ import random
 from dataclasses import replace
 
 import pytest
-
-pytest.importorskip("hypothesis")
 from eddi_runtime.bayesian_network.engine import Engine
 from hypothesis import given
 from hypothesis import strategies as st
@@ -112,7 +110,6 @@ def test_two_monitors_of_one_text_are_independent():
 
 @given(seed=st.integers(0, 10**9))
 def test_what_was_not_foreseen_is_inferred_as_exactly(seed):
-    pytest.importorskip("numpy")
     rng = random.Random(seed)
     count = rng.randint(2, 6)
     net = random_network(rng, count, most_states=3)
@@ -130,7 +127,6 @@ def test_what_was_not_foreseen_is_inferred_as_exactly(seed):
 
 
 def test_a_large_table_is_read_as_it_was_written():
-    pytest.importorskip("numpy")
     net, made = wide()
     text = made.text()
     assert "schedule.rows_of(" in text

@@ -5,13 +5,19 @@ the file replace those of one sound ConSert, unless the name says ``(whole file)
 """
 
 import re
+from functools import cache
 from pathlib import Path
 
+import hypothesis.strategies as st
 import pytest
+import yaml
+from hypothesis import given
 
 from eddi_scaffold.common.catalogue import area
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
+from eddi_scaffold.kinds.consert.graph import path_sets
+from tests.kinds.consert.example import monitor_of
 
 SOUND = {
     "guarantees": "guarantees:\n  - id: G\n    dimensions:\n      - Binary: {type: Safe}\n",
@@ -40,12 +46,12 @@ def changed(given: str) -> str:
     return "".join({**SOUND, **{part.partition(":")[0]: part for part in sections}}.values())
 
 
-CASES = read_cases()
+TEXTS = read_cases()
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", TEXTS)
 def test_text_of_the_diagnostic(name):
-    text, expected = CASES[name]
+    text, expected = TEXTS[name]
     lines = []
     for problem in ConSertModel.read_file(Source("m.yml", text.encode()), ()).problems:
         place = problem.place
@@ -57,7 +63,7 @@ def test_text_of_the_diagnostic(name):
 
 def test_every_code_has_a_case():
     diagnostics = area("C").diagnostics.values()
-    codes = {name[:4] for name in CASES}
+    codes = {name[:4] for name in TEXTS}
     assert all(codes & {diagnostic.code, *diagnostic.absorbed} for diagnostic in diagnostics)
 
 
@@ -65,3 +71,108 @@ def test_the_sound_file_has_no_problem():
     reading = ConSertModel.read_file(Source("m.yml", changed("").encode()), ())
     assert reading.problems == ()
     assert [model.name for model in reading.models] == ["m"]
+
+
+CASES = Path(__file__).parents[2] / "data" / "users" / "short.yml"
+
+
+@cache
+def cases(part):
+    return {case["id"]: case for case in yaml.load(CASES.read_text(), yaml.CSafeLoader)[part]}
+
+
+IDS = {
+    part: [line[6:].strip("'\n") for line in text.splitlines() if line.startswith("- id: ")]
+    for part, text in zip(("valid", "errors"), CASES.read_text().split("\nerrors:\n"), strict=True)
+}
+
+
+def read(text, name="m"):
+    return ConSertModel.read_file(Source(f"{name}.yml", text.encode()), ())
+
+
+def meaning(consert):
+    """What a ConSert is, whatever the text of its numbers and the order over nodes."""
+    values = [
+        (node.kind, node.id, [numbers(d) for d in node.dimensions], node.description)
+        for node in consert.nodes
+        if node.kind != "gate"
+    ]
+    services = [(s.kind, s.id, s.functional_service_type, s.members) for s in consert.services]
+    gates = [(gate.id, gate.function) for gate in consert.gates]
+    marks = [(g.id, g.default, g.ranking) for g in consert.guarantees]
+    return values, gates, marks, dict(consert.inputs), services
+
+
+def numbers(dimension):
+    covered = getattr(dimension, "covered", None)
+    if hasattr(dimension, "uom"):
+        covered = [(r.start.value, r.end.value, r.inclusive) for r in covered]
+    more = [getattr(dimension, name, None) for name in ("subset", "uom", "value")]
+    return type(dimension).__name__, dimension.type, covered, *more
+
+
+@pytest.mark.parametrize("name", IDS["valid"])
+def test_it_equals_the_full_form(name):
+    case = cases("valid")[name]
+    short, full = read(case["short"], name), read(case["full"], name)
+    assert [str(p) for p in short.problems if p.level == "error"] == []
+    (model,), (other,) = short.models, full.models
+    assert meaning(model.data) == meaning(other.data)
+    (again,) = read(model.write()[f"{name}.yml"], name).models
+    assert meaning(again.data) == meaning(other.data)
+    monitor, inputs = monitor_of(model)
+    for verdicts in case["verdicts"]:
+        monitor.execute_step(inputs(verdicts["in"]))
+        states = {id_: verdict[0] for id_, verdict in monitor.verdicts().items()}
+        assert states == verdicts["out"], verdicts["in"]
+
+
+@pytest.mark.parametrize("name", IDS["errors"])
+def test_the_first_error_stands_at_its_character(name):
+    case = cases("errors")[name]
+    first = next(p for p in read(case["short"]).problems if p.level == "error")
+    assert (first.place.line, first.place.col) == (case["line"], case["column"]), first
+    assert case["says"].lower() in f"{first.message} {first.hint}".lower()
+
+
+LEAVES = "abcde"
+expressions = st.recursive(
+    st.sampled_from(LEAVES),
+    lambda inner: st.builds(
+        lambda word, parts: f"({f' {word} '.join(parts)})",
+        st.sampled_from(["AND", "or"]),
+        st.lists(inner, min_size=1, max_size=4),
+    ),
+    max_leaves=12,
+)
+
+
+@given(expressions)
+def test_an_expression_means_what_it_says(text):
+    leaves = ", ".join(f"{leaf}: bool" for leaf in LEAVES)
+    reading = read(f"evidence: {{{leaves}}}\nguarantees: {{G: {text}}}\n")
+    (model,) = reading.models
+    sets = path_sets(model.data)["G"]
+    for mask in range(2 ** len(LEAVES)):
+        values = {leaf: bool(mask >> index & 1) for index, leaf in enumerate(LEAVES)}
+        meant = eval(text.replace("AND", "and"), {}, values)
+        assert meant == any(leaves & mask == leaves for leaves in sets)
+
+
+@given(st.text(alphabet=LEAVES + '()"> .%[]{}:1\n\u00e9', max_size=40) | st.text(max_size=20))
+def test_whatever_stands_there_is_read_or_refused(text):
+    quoted = yaml.safe_dump(text, default_style='"', width=4096)
+    reading = read(f"evidence: {{a: {quoted}}}\nguarantees: {{G: {quoted}, H: a}}\n")
+    assert reading.models or any(p.place.line for p in reading.problems)
+
+
+def test_a_comparison_without_quotes_is_told_what_to_write():
+    (problem,) = read("evidence:\n  Charge: >= 20 %\nguarantees:\n  G: Charge\n").problems
+    assert "at least 20 %" in problem.hint
+    assert problem.place.line == 2
+
+
+def test_deep_parentheses_are_refused():
+    (problem, *_) = read(f"evidence: {{a: bool}}\nguarantees: {{G: {'(' * 60}a}}\n").problems
+    assert problem.case == "C002.nested"

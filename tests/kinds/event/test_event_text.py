@@ -20,7 +20,6 @@ LONG = "a_name_of_more_than_twenty_four_characters"
 
 
 def events_of(text):
-    """Return a document with the events of a text."""
     analysis = analyse(text, rate=RATE)
     assert analysis.program is not None, analysis.problems
     factors = itertools.chain([None], itertools.repeat((9, 5)))

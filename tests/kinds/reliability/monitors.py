@@ -18,7 +18,6 @@ from runtime_lib.tests.compiled_models import loaded
 
 
 def compiled(model: Model) -> Reliability:
-    """Return the monitor of a configured model."""
     inputs = tuple(BoundInput(input_.id, input_.id) for input_ in model.inputs())
     declaration = Declaration("m", "", inputs)
     parts = compile_system(model.data, declaration)
@@ -29,13 +28,11 @@ def compiled(model: Model) -> Reliability:
 def read_text(
     text: str, name: str = "reliability_config.yml"
 ) -> tuple[Model | None, list[Problem]]:
-    """Read a file; its first model."""
     reading = ReliabilityModel.read_file(Source(name, text.encode()), ())
     return (reading.models[0] if reading.models else None), list(reading.problems)
 
 
 def sound(text: str) -> Model:
-    """Return the configured model of a text without errors."""
     model, problems = read_text(text)
     assert model is not None, problems
     configured, problems = model.configure(Options())
@@ -44,7 +41,6 @@ def sound(text: str) -> Model:
 
 
 def everything(text: str, name: str = "reliability_config.yml") -> list[Problem]:
-    """Return all that is said about a text: read, checked, configured."""
     model, problems = read_text(text, name)
     if model is not None:
         problems += model.check()
@@ -53,7 +49,6 @@ def everything(text: str, name: str = "reliability_config.yml") -> list[Problem]
 
 
 def models_of(path: Path) -> tuple[dict[str, Model], list[Problem]]:
-    """Return the models of an EDDI by name, and the problems."""
     source = read_source(path)
     document, problems = read_document(source)
     assert document is not None
@@ -62,5 +57,4 @@ def models_of(path: Path) -> tuple[dict[str, Model], list[Problem]]:
 
 
 def at_start(model: Model, **values: Any) -> Any:
-    """Return the first result of a configured model."""
     return compiled(model).execute_step(SimpleNamespace(**values), 0)

@@ -3,14 +3,12 @@
 import itertools
 import math
 
+import numpy as np
 import pytest
+from eddi_runtime.reliability import large_chain
 
-np = pytest.importorskip("numpy", reason="large chains need numpy")
-
-from eddi_runtime.reliability import large_chain  # noqa: E402 - numpy comes first
-
-from eddi_scaffold.kinds.reliability import chains  # noqa: E402 - numpy comes first
-from eddi_scaffold.kinds.reliability.chains import (  # noqa: E402 - numpy comes first
+from eddi_scaffold.kinds.reliability import chains
+from eddi_scaffold.kinds.reliability.chains import (
     FATAL,
     rotors_chain,
 )

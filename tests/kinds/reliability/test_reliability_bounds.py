@@ -1,30 +1,34 @@
 """Bounds by minimal cut sets, for coherent trees whose diagram would be too large."""
 
+import json
 import math
+import time
 from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
-from eddi_runtime.reliability.large_tree import BoundedTree
+from eddi_runtime.reliability.large_tree import BoundedTree, LargeTree
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability import trial
+from eddi_scaffold.kinds.reliability.compile import table
 from eddi_scaffold.kinds.reliability.decision_diagram import build
 from eddi_scaffold.kinds.reliability.fault_tree import Gate, minimal_cut_sets
+from eddi_scaffold.kinds.reliability.lowering import FaultTree, lower
+from eddi_scaffold.kinds.reliability.system import ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import mean_life
+from eddi_scaffold.monitors.loading import read_models
+from tests.data_files import data_file
 from tests.kinds.reliability import trees as written
 from tests.kinds.reliability.monitors import at_start, compiled, read_text, sound
 from tests.kinds.reliability.test_fault_tree_diagram import random_tree
 
-pytestmark = pytest.mark.slow
-
 
 def bounds_of(found: Any) -> BoundedTree:
-    """Return what bounds a tree by its minimal cut sets."""
-
     class Tree(BoundedTree):
         names = ()
         sets = tuple(tuple(sorted(one)) for one in found)
@@ -125,3 +129,45 @@ def test_a_life_that_is_too_rough_has_no_mean(monkeypatch: pytest.MonkeyPatch) -
     assert mean_life(model.data) is not None
     monkeypatch.setattr(trial, "_STEPS", 100)
     assert mean_life(model.data) is None
+
+
+pytestmark = pytest.mark.slow
+
+VALUES = json.loads(data_file("large_trees.json").read_text("utf-8"))
+
+
+def systems(file: str) -> dict[str, ReliabilitySystem]:
+    source = Source(file.rpartition("/")[2], data_file(file).read_bytes())
+    return {model.data.top: model.data for model in read_models(source).models}
+
+
+def value(system: ReliabilitySystem) -> float:
+    tree = lower(system).components[system.top]
+    assert isinstance(tree, FaultTree)
+    assert tree.diagram is not None
+    diagram = tree.diagram
+
+    class Tree(LargeTree):
+        names = ()
+        modules = table(diagram)  # type: ignore[assignment]
+
+    return Tree().failure([event.values[0] for event in tree.events])
+
+
+@pytest.mark.parametrize(("name", "expected"), VALUES["aralia"].items())
+def test_the_aralia_trees_have_the_values_of_another_program_within_a_minute(
+    name: str, expected: float
+) -> None:
+    (system,) = systems(f"aralia/{name}.xml").values()
+    start = time.process_time()
+    assert value(system) == pytest.approx(expected, rel=1e-9, abs=0.0)
+    assert time.process_time() - start < 60
+
+
+@pytest.mark.parametrize(("file", "tree", "expected"), VALUES["generic-pwr"])
+def test_trees_of_a_power_plant_have_the_values_of_another_program(
+    file: str, tree: str, expected: float
+) -> None:
+    """With events of probability 0 and 1."""
+    found = value(systems(f"generic-pwr/{file}")[tree])
+    assert found == pytest.approx(expected, rel=1e-10, abs=0.0)

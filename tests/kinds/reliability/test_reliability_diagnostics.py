@@ -8,12 +8,17 @@ file, or else, where it begins with ``<``, the failure models of an EDDI; ``>>>`
 import os
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from eddi_scaffold.common.problems import Problem, in_order
+from eddi_scaffold.common.problems import EddiError, Problem, in_order
+from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds import Options
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.platforms.ros1 import monitor_answers
 from tests.kinds.reliability.monitors import everything, models_of
+from tests.kinds.reliability.test_reliability_example import EXAMPLE
 
 FILE = Path(__file__).with_name("diagnostics.txt")
 CASES = dict(part.split("\n", 1) for part in re.split(r"(?m)^### ", FILE.read_text("utf-8"))[1:])
@@ -64,3 +69,92 @@ def test_text_of_the_diagnostic(name: str, tmp_path: Path) -> None:
     assert got == expected
     codes = re.findall(r"[RX]\d{3}(?=_)", name)
     assert all(f"[{code}]" in got for code in codes)
+
+
+def said(folder: Path, old: str, new: str) -> list[str]:
+    text = (EXAMPLE / "reliability_config.yml").read_text("utf-8")
+    assert text.count(old) >= 1
+    config = folder / "config.yml"
+    config.write_text(text.replace(old, new, 1), "utf-8")
+    problems = check_files([EXAMPLE / "drone.xml", config])
+    return [f"{p.place.line}:{p.place.col} {p.code} {p.message} | {p.hint}" for p in problems]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "{Link:",
+            "{Lnk:",
+            "11:16 R001 there is no event of 'MissionLoss' 'Lnk' | did you mean 'Link'?",
+        ),
+        (
+            "{observed: true}",
+            "{observed: maybe}",
+            "11:33 R002 observed: true or false is expected | None",
+        ),
+        (
+            "Rotors:",
+            "Rotrs:",
+            "8:5 R001 model 'Rotrs' has no type | did you mean 'Rotors'?",
+        ),
+    ],
+)
+def test_only_the_cause_is_said(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    assert said(tmp_path, old, new) == [expected]
+
+
+def test_an_input_that_nobody_provides_in_words_of_this_kind(tmp_path: Path) -> None:
+    text = (EXAMPLE / "reliability_config.yml").read_text("utf-8")
+    entry = text[text.index("  - id: MissionLoss_Link") : text.index("EDDIOutputs")]
+    (one,) = said(tmp_path, entry, "")
+    assert "K014 no entry of EDDIInputs provides 'MissionLoss_Link': it stays unknown, and " in one
+    assert "p_fail is the worst case of it, and not valid" in one
+
+
+TREE = """<failureModels xsi:type="f:FaultTree" name="T">
+<failures name="out" originType="Output"/>
+<causes xsi:type="f:Gate" name="Top" failure="$.0/@failures.0" causes="$.0/@causes.1"/>
+<causes xsi:type="f:Gate" name="Port" gateType="InputEvent"/></failureModels>
+"""
+
+
+def test_no_threshold_trusts_a_tree_with_an_open_port(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    body = TREE.replace("$", PACKAGE)
+    path.write_text(HEAD + body + "</odeProductPackages></i:DDIPackage>\n", "utf-8")
+    models, problems = models_of(path)
+    assert [(one.level, one.code) for one in problems] == [("warning", "X014")]
+    assert models["T"].configure(Options())[0] is not None
+    options = Options(values={"thresholds": [{"id": "go", "activate": 0.1}]})
+    configured, problems = models["T"].configure(options)
+    assert configured is None
+    (one,) = problems
+    assert (one.code, one.place.line) == ("R005", 10)
+    assert one.message == (
+        "port 'Port' has no input: what it represents is left out, so that no threshold may "
+        "trust p_fail of 'T'"
+    )
+
+
+THRESHOLD = "- {id: RtE_continue, activate: 1.0e-4, release: 2.0e-4, hold: 1 s"
+
+
+def answers(folder: Path, topic: str) -> tuple[Any, list[str]]:
+    text = (EXAMPLE / "reliability_config.yml").read_text("utf-8")
+    config = folder / "c.yml"
+    config.write_text(text.replace(THRESHOLD, f"{THRESHOLD}, topic: {topic}"), "utf-8")
+    (monitor,), _ = monitors_of(EXAMPLE / "drone.xml", [config])
+    package, problems = monitor_answers(monitor)
+    return package.answers, [f"{p.place.line}: {p.code} {p.message}" for p in problems]
+
+
+def test_a_topic_carries_one_type_and_is_not_heard(tmp_path: Path) -> None:
+    """Outside of namespaces, ``/drone/reliability`` is the example's ``drone/reliability``."""
+    both = "eddi_messages/ReliabilityOutput and std_msgs/Bool"
+    assert answers(tmp_path, "/drone/reliability")[1] == [
+        f"13: K031 the topic /drone/reliability would carry {both}"
+    ]
+    with pytest.raises(EddiError) as heard:
+        answers(tmp_path, "drone/rotors_ok")
+    assert [problem.code for problem in heard.value.problems] == ["D001"]

@@ -31,7 +31,6 @@ HOSTILE = ['"""', "\\", "\n", "__import__('os')", "class", "self", "é", "\ud800
 
 
 def whole(**options: Any) -> Model:
-    """Return a model with every type of component."""
     parts = [BATTERY, CPU, UNITS, quad(0.01), DENSE, LARGE]
     events = [event("model", model=part["name"]) for part in parts]
     events += [event("exponential", 0.01, age=3.0), event("weibull", 50.0, 2.0, input="w")]

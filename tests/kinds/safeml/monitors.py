@@ -25,7 +25,6 @@ EDDIOutputs: [{id: safeml, topic: /scope/safeml}]
 
 
 def lay(folder: Path, rows: Sequence[Sequence[float]], **keys: Any) -> Path:
-    """Write a reference and a configuration, and return the second."""
     text = "\n".join(",".join(map(repr, row)) for row in rows)
     (folder / "reference.csv").write_text(text + "\n")
     config = {"reference_sample_file": "reference.csv", **keys}
@@ -37,7 +36,6 @@ def lay(folder: Path, rows: Sequence[Sequence[float]], **keys: Any) -> Path:
 def joined(
     folder: Path, rows: Sequence[Sequence[float]], connected: str = "", **keys: Any
 ) -> tuple[BoundMonitor, list[Problem]]:
-    """Return the monitor that is generated of this, and all warnings."""
     path = lay(folder, rows, **keys)
     if not connected:
         (monitor,), problems = monitors_of(path, [])
@@ -49,5 +47,4 @@ def joined(
 
 
 def running(folder: Path, rows: Sequence[Sequence[float]], **keys: Any) -> RuntimeMonitor:
-    """Return the monitor of this as it runs."""
     return compiled(joined(folder, rows, **keys)[0])

@@ -34,7 +34,6 @@ CASES = dict(
 
 
 def lay(given: str, folder: Path, *, whole: bool) -> Path:
-    """Write configuration and reference, and return the first."""
     lines = given.splitlines()
     keys = dict(SOUND)
     own = [line for line in lines if line and line[0] not in "@="]
