@@ -57,7 +57,7 @@ from eddi_scaffold.regions.sync import plan_sync
 from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
-from tests.data_files import FOREIGN, ORACLES
+from tests.data_files import FOREIGN, ORACLES, data_text
 from tests.fuzz.damage import Reader, Sample
 from tests.mros.test_reading import INDENT_MODEL, MODEL, SYSTEM
 from tests.package_texts import INPUT, eddi_input
@@ -163,31 +163,7 @@ def _models(*files: str, oracles: str = "") -> Callable[[Path], Made]:
     return make
 
 
-_DEPLOYMENT = """\
-Fleet: {topic: /cell/words, lease: 2}
-Robots:
-  - name: arm1
-    platform: dds
-    domain: 57
-    partition: cell
-    namespace: /cell/arm1
-    monitors: &arm [{config: arm_config.yml, model: arm.yml}]
-  - {name: arm2, platform: dds, domain: 57, partition: cell, monitors: *arm}
-  - name: cart
-    platform: dds
-    domain: 57
-    partition: cell
-    monitors:
-      - config: cart_config.yml
-        override:
-          Model: {frequency: 20}
-          EDDIInputs: [{id: WayIsFree, max_age: 0.4}]
-  - {name: far, platform: ros1, master: "http://far:11311", monitors: [{config: arm_config.yml}]}
-  - {name: desk, platform: plain, monitors: [{config: arm_config.yml}]}
-Station: {name: desktop, platform: dds, domain: 57, partition: cell}
-Bindings:
-  - {demand: ArmIsParked, monitor: cart, guarantee: Parked, from: any}
-"""
+_DEPLOYMENT = data_text("fuzz/deployment.yml")
 
 
 def _deployment(folder: Path) -> Made:

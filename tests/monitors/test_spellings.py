@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from tests.cli.command import run
+from tests.data_files import data_text
 
 DATA = Path(__file__).parents[1] / "data" / "users"
 SPELLINGS = yaml.load((DATA / "spellings.yml").read_text("utf-8"), yaml.CSafeLoader)["cases"]
@@ -41,19 +42,7 @@ def test_both_spellings_give_one_package(case, tmp_path):
     assert [str(name) for name in old if old[name] != new[name]] == []
 
 
-ROBOT = """\
-SimulatorOutputs:
-  - {id: bumper, type: std_msgs/Bool, topic: bumper/pressed}
-  - {id: battery, type: sensor_msgs/BatteryState, topic: battery}
----
-Model: {id: cart, type: ConSert, model: cart.yml}
-EDDIInputs:
-  - {id: PathIsFree, from: NOT bumper.data, max_age: 0.5 s}
----
-Model: {id: fleet, type: ConSert, model: fleet.yml}
-EDDIInputs:
-  - {id: CartMoves, from: cart.MayDrive}
-"""
+ROBOT = data_text("monitors/robot.yml")
 MODELS = {
     "cart.yml": "evidence: {PathIsFree: bool}\nguarantees: {MayDrive: PathIsFree}\n",
     "fleet.yml": "evidence: {CartMoves: bool}\nguarantees: {Serve: CartMoves}\n",
