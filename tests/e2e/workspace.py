@@ -14,13 +14,7 @@ _BUILT = "build/\ndevel/\ninstall/\nlogs/\n.catkin_tools/\n.catkin_workspace\n"
 
 
 class Workspace:
-    """A workspace root.
-
-    Args:
-        path: the root; made with its ``src`` and with a ``.gitignore`` for what is built.
-        home: home folder of the person who builds.
-        languages: messages are generated for all that are here, and not for Python alone.
-    """
+    """A workspace root."""
 
     def __init__(self, path, home, *, languages=False):
         self.path = Path(path)

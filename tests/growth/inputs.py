@@ -11,13 +11,7 @@ from tests.package_texts import INPUT, eddi_input
 
 @dataclass(frozen=True)
 class Growing:
-    """A family of inputs.
-
-    Attributes:
-        reader: name of what reads them in `tests.fuzz.readers`.
-        file: name that the input is written to.
-        text: number of things -> text.
-    """
+    """A family of inputs."""
 
     reader: str
     file: str

@@ -19,12 +19,7 @@ pytestmark = pytest.mark.slow
 
 @dataclass(frozen=True)
 class Installed:
-    """A wheel in a folder of its own, with a private home.
-
-    Attributes:
-        folder: beside ``home`` and ``site``.
-        wheel: the file.
-    """
+    """A wheel in a folder of its own, with a private home."""
 
     folder: Path
     wheel: Path
