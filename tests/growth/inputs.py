@@ -1,6 +1,6 @@
 """Inputs that grow: one thing many times, for each reader.
 
-They stand in `tests/data/texts/growth/inputs.txt`, below a line `#### READER | FILE | NAME`: what is
+They stand in `tests/data/texts/growth/inputs.txt`, below lines `#### READER | FILE | NAME`. What is
 between `⟪` and `⟫` comes n times (behind `⟪-1:` n - 1 times), with `#` for the number and `%` for
 the next.
 """
@@ -37,9 +37,9 @@ def _text(template: str, n: int) -> str:
 
     parts = {"head": XML_HEAD, "tail": XML_TAIL, "dimension": _DIMENSION}
     for name, text in parts.items():
-        template = template.replace(f"‹{name}›", text)
+        template = template.replace(f"⟦{name}⟧", text)
     template = re.sub(r"(?s)⟪(-1:)?(.*?)⟫", many, template)
-    for name, value in {"‹n›": n, "‹n-1›": n - 1, "‹1/n›": 1 / n, "♯": "#"}.items():
+    for name, value in {"⟦n⟧": n, "⟦n-1⟧": n - 1, "⟦1/n⟧": 1 / n, "♯": "#"}.items():
         template = template.replace(name, str(value))
     return template
 
