@@ -46,10 +46,7 @@ class Workspace:
         return self._build(["catkin_make", "-j2", _INTERPRETER, *targets])
 
     def catkin_build(self):
-        """Build; what is left of packages that are gone would hide what is installed elsewhere."""
         self._build(["catkin", "init"])
-        if (self.path / "devel").exists():
-            self._build(["catkin", "clean", "--orphans", "--yes"])
         return self._build(["catkin", "build", "--no-status", "-j2", "--cmake-args", _INTERPRETER])
 
     def _build(self, command):

@@ -229,40 +229,9 @@ def _texts(name: str, text: bytes) -> Callable[[Path], Made]:
     return make
 
 
-_BIF = b"""\
-network "Dogs" { // of a test
-  property "credal-set constant-density-bounded 1.1" ;
-}
-variable A { type discrete[2] { "y" "n" }; property position = (73, 165) ; }
-variable B { /* three */ type discrete [ 3 ] { <5, 5-12, 12+ }; }
-variable C { type discrete [ 2 ] { yes, no }; }
-probability ( A ) { table 0.25, 0.75; }
-probability ( B | A ) { (y) 0.5, 0.25, 0.25; (n) 0.125, 0, 0.875; }
-probability ( C | A, B ) { default 0.5, 0.5; (y, <5) 1e-3, 0.999; }
-"""
+_BIF = data_text("fuzz/dogs.bif").encode()
 
-_MEF = b"""\
-<opsa-mef>
-<define-fault-tree name="Tank">
-  <define-gate name="top"><or><gate name="c.both"/><nand><event name="a"/><event name="h"/></nand>
-    <atleast min="2"><basic-event name="a"/><basic-event name="b"/><gate name="c.both"/></atleast>
-    <constant value="false"/></or></define-gate>
-  <define-component name="c" role="private">
-    <define-gate name="both"><and><basic-event name="a"/><basic-event name="b"/></and></define-gate>
-  </define-component>
-  <define-house-event name="h"><constant value="true"/></define-house-event>
-</define-fault-tree>
-<model-data>
-  <define-basic-event name="a"><label>A</label><float value="1e-3"/></define-basic-event>
-  <define-basic-event name="b">
-    <exponential><parameter name="rate"/><system-mission-time/></exponential>
-  </define-basic-event>
-  <define-parameter name="rate" unit="hours-1">
-    <mul><float value="2"/><normal-deviate><float value="1e-4"/><float value="1"/></normal-deviate>
-    </mul></define-parameter>
-</model-data>
-</opsa-mef>
-"""
+_MEF = data_text("fuzz/tank.xml").encode()
 
 
 def _config(folder: Path) -> Made:
@@ -358,16 +327,7 @@ def _events(folder: Path) -> Made:
     return samples, attempt
 
 
-_EVENTS = b"""ENUM Mode (Idle, Drive, Charge)
-VAR mode : Mode TIMEOUT 2s
-VAR speed : NUMBER UNIT km/h RANGE 0 .. 130 TIMEOUT 500ms
-VAR door : BOOL
-CONST limit := 30 km/h
-EVENT Fast (HAZARD) := speed > limit OR NOT (ABS(speed - 3 km/h) < 1 m/s)
-EVENT Held := TIME(mode = Drive AND NOT door, 3s) XOR ONCE(door, 1500ms)
-EVENT Mean : NUMBER := AVERAGE(speed, 5s) + MAX(1 km/h, speed * 2) / 4
-EVENT Both := Fast AND Held
-"""
+_EVENTS = data_text("fuzz/many.events").encode()
 
 
 def _robots(folder: Path) -> Made:

@@ -97,7 +97,7 @@ class OnlyCopier:
 _PLACES = {
     "ros1": ("ros1", START, "update"),
     "ros2": ("ros2", START, ""),
-    "plain": ("plain", START, "recopy"),
+    "plain": ("plain", START, ""),
     "network": ("plain", (), "copy"),
     "ros2-network": ("ros2", (), ""),
 }
