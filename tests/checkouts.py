@@ -98,13 +98,7 @@ print(json.dumps(results))
 def several(
     commands: Mapping[tuple[object, ...], int], folder: Path, env: Mapping[str, str]
 ) -> list[str]:
-    """Run commands one after the other in one new process, and return their words.
-
-    Args:
-        commands: words -> exit status that is expected.
-        folder: where they run.
-        env: says where Python finds the program.
-    """
+    """Run commands one after the other in one new process, and return their words."""
     lines = [list(map(str, words)) for words in commands]
     results = json.loads(
         run([sys.executable, "-c", _SEVERAL, json.dumps(lines)], folder, env).stdout
@@ -116,12 +110,7 @@ def several(
 
 @dataclass(frozen=True)
 class Checkout:
-    """A git repository that is program and template at once.
-
-    Attributes:
-        path: its folder.
-        env: variables for every command run from it.
-    """
+    """A git repository that is program and template at once."""
 
     path: Path
     env: Mapping[str, str] = field(default_factory=dict)

@@ -24,6 +24,11 @@ def data_file(name: str) -> Path:
     return FOREIGN / name
 
 
+def data_text(name: str) -> str:
+    """Return a text that tests write: a model, a configuration, an old file, what is expected."""
+    return (Path(__file__).parent / "data" / "texts" / name).read_bytes().decode()
+
+
 def left_out(reasons: list[str]) -> str | None:
     """Return the line that a run ends with where tests were skipped for want of foreign files."""
     count = sum(ABSENT in reason for reason in reasons)

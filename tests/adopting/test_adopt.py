@@ -9,6 +9,7 @@ import yaml
 
 from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
 from tests.cli.command import example, files_below, run
+from tests.data_files import data_text
 
 pytestmark = pytest.mark.slow
 
@@ -53,27 +54,7 @@ def test_bodies_model_and_configuration_are_taken_over(old: Path) -> None:
     assert result.err.count("process_RtE_A_E0") == 1, result.err
     assert "old/scripts/EDDIMonitor.py" in result.err
     config = yaml.safe_load((folder / "ws" / "conserta_config.yml").read_text("utf-8"))
-    assert config == {
-        "Model": {
-            "id": "ConSertA",
-            "type": "ConSert",
-            "frequency": 20,
-            "parameters": [{"model": "ConSertA.yml"}],
-        },
-        "SimulatorOutputs": [
-            {
-                "id": "consertb",
-                "type": "eddi_messages.ConSertOutput",
-                "topic": "/consertb/guarantees",
-            },
-            {"id": "RtE_E0", "type": "std_msgs.Bool", "topic": "/rte/e0a"},
-        ],
-        "EDDIInputs": [
-            {"id": "RtE_A_D0", "type": "bool", "requires": ["consertb"], "default": False},
-            {"id": "RtE_A_E0", "type": "bool", "requires": ["RtE_E0"], "default": False},
-        ],
-        "EDDIOutputs": [{"id": "conserta", "topic": "/conserta/guarantees"}],
-    }
+    assert config == yaml.safe_load(data_text("adopting/adopted_config.yml"))
 
 
 def test_markers_written_twice_in_a_method_are_no_lines_of_its_body(old: Path) -> None:

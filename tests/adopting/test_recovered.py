@@ -12,16 +12,9 @@ from eddi_scaffold.packages.adopting.adopt import Adoption, adopt
 from tests.adopting.old_networks import LICENCE, write_old_ros_network
 from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
 from tests.cli.command import EXAMPLE
+from tests.data_files import data_text
 
-CONSERT = """---
-guarantees: [{id: System_A_G0, dimensions: [{Binary: {type: IsTrue}}]}]
-demands: []
-evidence: [{id: RtE_A_E0, dimension: {Binary: {type: SensorHealthy}}}]
-gates: []
-tree_propagations: [{from: RtE_A_E0, to: System_A_G0}]
-required_services: []
-provided_services: []
-"""
+CONSERT = data_text("adopting/conserta.yml")
 MONITOR = """class EDDIMonitor:
     def execute_step(self, eddi_input):
         guarantees = []

@@ -5,22 +5,9 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import run
+from tests.data_files import data_text
 
-MODEL = """guarantees:
-  - id: MayDrive
-    dimensions: [Binary: {type: MayDrive}]
-demands: []
-evidence:
-  - id: Charge
-    dimension:
-      Numeric:
-        {type: Charge, covered: [Inclusive: {start: 20, end: 100}], subset: Demand, uom: percent}
-gates: []
-tree_propagations: [{from: Charge, to: MayDrive}]
-required_services: []
-provided_services:
-  - {id: Driving, functional_service_type: DrivingType, guarantees: [MayDrive]}
-"""
+MODEL = data_text("cli/hints.yml")
 CONFIG = """Model: {id: cart, type: ConSert, frequency: 10, parameters: [{model: cart.yml}]}
 SimulatorOutputs: [{id: battery, type: sensor_msgs.BatteryState, topic: battery}]
 EDDIInputs:

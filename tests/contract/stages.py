@@ -35,13 +35,7 @@ NAMES = ("/rover", "/robot1/rover")
 
 
 class Stage(World):
-    """What each test runs on.
-
-    Attributes:
-        ear: hears the outputs and the diagnostics.
-        source: publishes evidence.
-        core: the master, where there is one.
-    """
+    """What each test runs on."""
 
     core = None
 
@@ -155,13 +149,7 @@ class DdsStage(Stage):
 
 
 class Ros2Stage(Stage):
-    """ROS 2 on loopback, with the messages of a workspace that its colcon has built.
-
-    Args:
-        folder: of the package, which runs as it lies there; `tests/e2e` runs one that is installed.
-        config: of its monitor.
-        below: the workspace with the messages, built unless it is there.
-    """
+    """ROS 2 on loopback, with the messages of a workspace that its colcon has built."""
 
     def __init__(self, folder, config=CONFIG, below=None):
         super().__init__(folder, None)

@@ -8,6 +8,7 @@ import ast
 import yaml
 
 from tests.checkouts import git
+from tests.data_files import data_text
 
 # Newer than any release of the checkout: copier takes the newest tag.
 FIRST, SECOND = "v900.0.0", "v900.1.0"
@@ -40,16 +41,7 @@ _NEW_WIRES = "".join(
         ("and_to_g0", "@consertGates.0", "@guarantees.0"),
     )
 )
-_NEW_EVIDENCE = """</runtimeEvidence>
-      <runtimeEvidence name="RtE_A_E1" description="The operator has released system B">
-        <dependabilityProperty>
-          <dimension xsi:type="consert_:BinaryDimension">
-            <dimensionType name="Released"/>
-          </dimension>
-        </dependabilityProperty>
-      </runtimeEvidence>
-      <consertGates name="System_B_AND" gateType="AND"/>
-    </conSerts>"""
+_NEW_EVIDENCE = data_text("e2e/new_evidence.txt")
 _INDENT = " " * 8
 _HELPER = (
     "def is_healthy(message):",

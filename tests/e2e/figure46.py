@@ -15,17 +15,7 @@ def all_of(topic, active):
 
 
 def demonstrate(run, evidence_of_b=EVIDENCE_B, *, steady=True):
-    """Publish the evidence step by step and check every published guarantee.
-
-    Args:
-        run: launched monitors.
-        evidence_of_b: topics that system B needs, all of them, and the inputs they become.
-        steady: no guarantee may be lost again; not asked where a limit of age is so short that a
-            busy machine passes it.
-
-    Returns:
-        The process that publishes the evidence of system A.
-    """
+    """Publish the evidence step by step and check every published guarantee."""
     for topic in GUARANTEES:
         run.wait_for(topic, all_of(topic, active=False), PATIENCE_S)
     *parts, (last, _) = evidence_of_b.items()

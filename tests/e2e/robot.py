@@ -80,13 +80,7 @@ class Roscore:
 
 
 class Run:
-    """``roslaunch eddi_monitor_launcher eddi.launch`` in a sourced workspace, and who listens.
-
-    Args:
-        core: the roscore.
-        env: the environment of the workspace.
-        folder: empty; for what the processes say.
-    """
+    """``roslaunch eddi_monitor_launcher eddi.launch`` in a sourced workspace, and who listens."""
 
     TOPICS = ("/conserta/guarantees", "/consertb/guarantees", "/diagnostics")
     LAUNCH = ("eddi.launch",)

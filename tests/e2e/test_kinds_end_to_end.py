@@ -18,7 +18,7 @@ from eddi_scaffold.packages.running import load
 from tests.checkouts import HERE
 from tests.cli.command import run as eddi
 from tests.connect.test_robots import consert, decided
-from tests.data_files import data_file
+from tests.data_files import data_file, data_text
 from tests.e2e.robot import Run
 from tests.e2e.workspace import Workspace
 from tests.ros1.world import PROBES, PYTHON, Probe, until
@@ -43,24 +43,8 @@ NETWORK = "/pedestrian_prediction_example"
 PERIOD_S, MAX_AGE_S = 0.1, 0.5
 SLACK_S = 0.5  # transport and a machine that others use as well
 EVIDENCE = f'{{id: RiskIsLow, node: Critical, state: "Yes", at_most: 0.35, topic: {LOW}}}'
-CROSSING_MODEL = """\
-guarantees: [{id: Cross, dimensions: [{Binary: {type: SafeCrossing}}]}]
-demands: []
-evidence: [{id: RiskIsLow, dimension: {Binary: {type: LowRisk}}}]
-gates: []
-tree_propagations: [{from: RiskIsLow, to: Cross}]
-required_services: []
-provided_services: []
-"""
-CROSSING_CONFIG = """\
-Model: {id: Crossing, type: ConSert, parameters: [{model: crossing.yml}]}
-SimulatorOutputs:
-  - {id: risk, type: eddi_messages.BayesianNetworkEvidence, topic: pedestrian/risk/evidence}
-EDDIInputs:
-  - {id: RiskIsLow, type: bool, requires: [risk], field: "evidence[RiskIsLow].active"}
-EDDIOutputs:
-  - {id: crossing, topic: crossing/guarantees}
-"""
+CROSSING_MODEL = data_text("e2e/crossing.yml")
+CROSSING_CONFIG = data_text("e2e/crossing_config.yml")
 
 
 INPUTS = {"RightLaserStandby": None, "LeftLaserStandby": None, "DistanceAhead": "m"}

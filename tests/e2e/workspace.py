@@ -14,13 +14,7 @@ _BUILT = "build/\ndevel/\ninstall/\nlogs/\n.catkin_tools/\n.catkin_workspace\n"
 
 
 class Workspace:
-    """A workspace root.
-
-    Args:
-        path: the root; made with its ``src`` and with a ``.gitignore`` for what is built.
-        home: home folder of the person who builds.
-        languages: messages are generated for all that are here, and not for Python alone.
-    """
+    """A workspace root."""
 
     def __init__(self, path, home, *, languages=False):
         self.path = Path(path)
@@ -52,10 +46,7 @@ class Workspace:
         return self._build(["catkin_make", "-j2", _INTERPRETER, *targets])
 
     def catkin_build(self):
-        """Build; what is left of packages that are gone would hide what is installed elsewhere."""
         self._build(["catkin", "init"])
-        if (self.path / "devel").exists():
-            self._build(["catkin", "clean", "--orphans", "--yes"])
         return self._build(["catkin", "build", "--no-status", "-j2", "--cmake-args", _INTERPRETER])
 
     def _build(self, command):

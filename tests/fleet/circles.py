@@ -24,11 +24,7 @@ PERIOD = 0.125
 
 
 class Robots:
-    """All nodes, and a clock for them.
-
-    Attributes:
-        active: topic -> ids of the guarantees that are active on it.
-    """
+    """All nodes, and a clock for them."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = 64.0

@@ -12,27 +12,11 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.platforms import chosen
+from tests.data_files import data_text
 from tests.fleet.circles import Robots
 
-MODEL = """\
-guarantees: [{id: G, dimensions: [{Binary: {type: Fine}}]}]
-demands: [{id: D, dimensions: [{Binary: {type: Fine}}]}]
-evidence: [{id: E, dimension: {Binary: {type: Fine}}}]
-gates: [{id: Either, function: Or}]
-tree_propagations: [{from: D, to: Either}, {from: E, to: Either}, {from: Either, to: G}]
-required_services: []
-provided_services: []
-"""
-CONFIG = """\
-Model: {id: NAME, type: ConSert, frequency: 8OPTIONS}
-FLEETSimulatorOutputs:
-  - {id: fine, type: std_msgs.Bool, topic: NAME/fine, max_age: 0.5}
-  - {id: other, max_age: 0.5, SOURCE}
-EDDIInputs:
-  - {id: E, requires: [fine]}
-  - {id: D, requires: [other], INPUT}
-EDDIOutputs: [{id: out, topic: NAME/out}]
-"""
+MODEL = data_text("fleet/circle.yml")
+CONFIG = data_text("fleet/circle_config.yml")
 ACTIVE = "guarantees[G].active"
 
 

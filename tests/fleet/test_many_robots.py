@@ -25,29 +25,14 @@ from hypothesis import settings
 from eddi_scaffold.config.field_types import fields_of
 from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from tests.cli.command import run
+from tests.data_files import data_text
 from tests.package_texts import facts_in
 from tests.ros1.world import RUNTIME
 
 pytestmark = pytest.mark.slow
 
 HERE = Path(__file__).parent
-CONFIG = """\
-Model: {id: mover, type: ConSert, frequency: FREQUENCY}
-Fleet: {robot: someone, lease: LEASE}
-SimulatorOutputs:
-  - {id: brake, type: std_msgs/Bool, topic: brake, max_age: 1}
-  - {id: health, type: std_msgs/Bool, topic: health, max_age: 1}
-  - id: other
-    type: eddi_messages/RobotGuarantees
-    topic: /eddi/peers
-    peers: {robots: any, model: mover, digest: DIGEST, guarantee: Parked}
-EDDIInputs:
-  - {id: Braked, requires: [brake], field: data}
-  - {id: Healthy, requires: [health], field: data}
-  - {id: OtherParked, requires: [other]}
-EDDIOutputs:
-  - {id: mover, topic: guarantees}
-"""
+CONFIG = data_text("fleet/mover_config.yml")
 
 
 class Size(NamedTuple):

@@ -9,35 +9,13 @@ from pathlib import Path
 from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from tests.cli.command import run
 from tests.contract.stages import Stage, environment, free_domain
+from tests.data_files import data_text
 from tests.package_texts import facts_in
 from tests.ros1.world import PROBES, PYTHON, RUNTIME, make_messages
 
 HERE = Path(__file__).parent
-ARM = """\
-Model: {id: arm, type: ConSert, frequency: 20, startup_grace: 1}
-Fleet: {robot: arm1}
-SimulatorOutputs:
-  - {id: brake, type: std_msgs/Bool, topic: in/brake, max_age: 0.8}
-EDDIInputs:
-  - {id: Braked, requires: [brake], field: data}
-EDDIOutputs:
-  - {id: arm, topic: guarantees}
-"""
-CART = """\
-Model: {id: cart, type: ConSert, frequency: 20, startup_grace: 1}
-Fleet: {robot: cart}
-SimulatorOutputs:
-  - {id: healthy, type: std_msgs/Bool, topic: in/healthy, max_age: 0.8}
-  - id: parked
-    type: eddi_messages/RobotGuarantees
-    topic: /eddi/peers
-    peers: {robots: any, model: arm, digest: DIGEST, guarantee: Parked}
-EDDIInputs:
-  - {id: Healthy, requires: [healthy], field: data}
-  - {id: ArmParked, requires: [parked]}
-EDDIOutputs:
-  - {id: cart, topic: guarantees}
-"""
+ARM = data_text("fleet/arm_config.yml")
+CART = data_text("fleet/cart_config.yml")
 BOOL = "std_msgs/Bool"
 
 

@@ -35,13 +35,7 @@ PACKAGES = ["examples/*/expected/*/", "examples/*/expected/src/eddi_monitor/*/"]
 
 @dataclass(frozen=True)
 class Frozen:
-    """The digests, and where texts are written.
-
-    Attributes:
-        update: write the digests anew.
-        texts: folder for all texts; None: for those that differ only.
-        folder: of the test.
-    """
+    """The digests, and where texts are written."""
 
     update: bool
     texts: Path | None
@@ -50,13 +44,7 @@ class Frozen:
     def compare(self, group: str, texts: Mapping[str, Parts], *, whole: bool = True) -> None:
         """Compare texts with their digests.
 
-        Models that are not in the file yet may come; none that is in it may be refused.
-
-        Args:
-            group: what all their names begin with.
-            texts: name -> text.
-            whole: no other text has a name of this group.
-        """
+        Models that are not in the file yet may come; none that is in it may be refused."""
         got = {name: {part: _digest(one) for part, one in it.items()} for name, it in texts.items()}
         got = {name: parts for name, parts in got.items() if parts}
         known = json.loads(DIGESTS.read_text()) if DIGESTS.exists() else {}

@@ -36,12 +36,7 @@ LONG = [
 
 @dataclass(frozen=True)
 class Sample:
-    """A sound input.
-
-    Attributes:
-        name: of the file that it is written to.
-        data: its bytes.
-    """
+    """A sound input."""
 
     name: str
     data: bytes
@@ -49,14 +44,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Reader:
-    """What reads damaged inputs.
-
-    Attributes:
-        name: for people.
-        samples: sound inputs.
-        attempt: reads one damaged input, and yields behind each step that may take its full time;
-            whatever it raises is a fault.
-    """
+    """What reads damaged inputs."""
 
     name: str
     samples: Sequence[Sample]
@@ -123,14 +111,7 @@ def _piece(chance: Random) -> bytes:
 
 
 def fuzz(reader: Reader, seed: str, count: int, limit: float) -> Result:
-    """Try ``count`` damaged inputs.
-
-    Args:
-        reader: what reads them.
-        seed: gives, with the number of an input, the same input again.
-        count: how many.
-        limit: processor seconds for one input of up to 100 kB, and more for larger ones.
-    """
+    """Try ``count`` damaged inputs."""
     result = Result()
     began, wound = time.monotonic(), -math.inf
     with _ended():

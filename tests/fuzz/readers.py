@@ -57,7 +57,7 @@ from eddi_scaffold.regions.sync import plan_sync
 from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
-from tests.data_files import FOREIGN, ORACLES
+from tests.data_files import FOREIGN, ORACLES, data_text
 from tests.fuzz.damage import Reader, Sample
 from tests.mros.test_reading import INDENT_MODEL, MODEL, SYSTEM
 from tests.package_texts import INPUT, eddi_input
@@ -163,31 +163,7 @@ def _models(*files: str, oracles: str = "") -> Callable[[Path], Made]:
     return make
 
 
-_DEPLOYMENT = """\
-Fleet: {topic: /cell/words, lease: 2}
-Robots:
-  - name: arm1
-    platform: dds
-    domain: 57
-    partition: cell
-    namespace: /cell/arm1
-    monitors: &arm [{config: arm_config.yml, model: arm.yml}]
-  - {name: arm2, platform: dds, domain: 57, partition: cell, monitors: *arm}
-  - name: cart
-    platform: dds
-    domain: 57
-    partition: cell
-    monitors:
-      - config: cart_config.yml
-        override:
-          Model: {frequency: 20}
-          EDDIInputs: [{id: WayIsFree, max_age: 0.4}]
-  - {name: far, platform: ros1, master: "http://far:11311", monitors: [{config: arm_config.yml}]}
-  - {name: desk, platform: plain, monitors: [{config: arm_config.yml}]}
-Station: {name: desktop, platform: dds, domain: 57, partition: cell}
-Bindings:
-  - {demand: ArmIsParked, monitor: cart, guarantee: Parked, from: any}
-"""
+_DEPLOYMENT = data_text("fuzz/deployment.yml")
 
 
 def _deployment(folder: Path) -> Made:
@@ -253,40 +229,9 @@ def _texts(name: str, text: bytes) -> Callable[[Path], Made]:
     return make
 
 
-_BIF = b"""\
-network "Dogs" { // of a test
-  property "credal-set constant-density-bounded 1.1" ;
-}
-variable A { type discrete[2] { "y" "n" }; property position = (73, 165) ; }
-variable B { /* three */ type discrete [ 3 ] { <5, 5-12, 12+ }; }
-variable C { type discrete [ 2 ] { yes, no }; }
-probability ( A ) { table 0.25, 0.75; }
-probability ( B | A ) { (y) 0.5, 0.25, 0.25; (n) 0.125, 0, 0.875; }
-probability ( C | A, B ) { default 0.5, 0.5; (y, <5) 1e-3, 0.999; }
-"""
+_BIF = data_text("fuzz/dogs.bif").encode()
 
-_MEF = b"""\
-<opsa-mef>
-<define-fault-tree name="Tank">
-  <define-gate name="top"><or><gate name="c.both"/><nand><event name="a"/><event name="h"/></nand>
-    <atleast min="2"><basic-event name="a"/><basic-event name="b"/><gate name="c.both"/></atleast>
-    <constant value="false"/></or></define-gate>
-  <define-component name="c" role="private">
-    <define-gate name="both"><and><basic-event name="a"/><basic-event name="b"/></and></define-gate>
-  </define-component>
-  <define-house-event name="h"><constant value="true"/></define-house-event>
-</define-fault-tree>
-<model-data>
-  <define-basic-event name="a"><label>A</label><float value="1e-3"/></define-basic-event>
-  <define-basic-event name="b">
-    <exponential><parameter name="rate"/><system-mission-time/></exponential>
-  </define-basic-event>
-  <define-parameter name="rate" unit="hours-1">
-    <mul><float value="2"/><normal-deviate><float value="1e-4"/><float value="1"/></normal-deviate>
-    </mul></define-parameter>
-</model-data>
-</opsa-mef>
-"""
+_MEF = data_text("fuzz/tank.xml").encode()
 
 
 def _config(folder: Path) -> Made:
@@ -382,16 +327,7 @@ def _events(folder: Path) -> Made:
     return samples, attempt
 
 
-_EVENTS = b"""ENUM Mode (Idle, Drive, Charge)
-VAR mode : Mode TIMEOUT 2s
-VAR speed : NUMBER UNIT km/h RANGE 0 .. 130 TIMEOUT 500ms
-VAR door : BOOL
-CONST limit := 30 km/h
-EVENT Fast (HAZARD) := speed > limit OR NOT (ABS(speed - 3 km/h) < 1 m/s)
-EVENT Held := TIME(mode = Drive AND NOT door, 3s) XOR ONCE(door, 1500ms)
-EVENT Mean : NUMBER := AVERAGE(speed, 5s) + MAX(1 km/h, speed * 2) / 4
-EVENT Both := Fast AND Held
-"""
+_EVENTS = data_text("fuzz/many.events").encode()
 
 
 def _robots(folder: Path) -> Made:

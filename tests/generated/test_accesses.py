@@ -7,32 +7,12 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import run
+from tests.data_files import data_text
 
 pytestmark = pytest.mark.slow
 
-MODEL = """\
-guarantees: [{id: Go, dimensions: [{Binary: {type: T}}]}]
-demands: []
-evidence:
-  - {id: P, dimension: {Numeric: {type: P, covered: [{Inclusive: {start: 0, end: 1}}],
-     subset: Demand, uom: rad}}}
-  - {id: Q, dimension: {Numeric: {type: Q, covered: [{Inclusive: {start: 0, end: 1}}],
-     subset: Demand, uom: ""}}}
-gates: [{id: A, function: And}]
-tree_propagations: [{from: P, to: A}, {from: Q, to: A}, {from: A, to: Go}]
-required_services: []
-provided_services: []
-"""
-CONFIG = """\
-Model: {id: robo, type: ConSert}
-SimulatorOutputs:
-  - {id: js, type: sensor_msgs.JointState, topic: js}
-  - {id: dg, type: diagnostic_msgs.DiagnosticArray, topic: dg}
-EDDIInputs:
-  - {id: P, type: float, requires: [js], field: 'position[arm]', max_age: 1}
-  - {id: Q, type: float, requires: [dg], field: 'status["/Power: battery"].level', max_age: 1}
-EDDIOutputs: [{id: o, topic: robo/out}, {id: p, topic: robo/go, field: 'guarantees[Go].active'}]
-"""
+MODEL = data_text("generated/robo.yml")
+CONFIG = data_text("generated/robo_config.yml")
 
 
 def test_elements_by_name_and_by_key(tmp_path: Path) -> None:

@@ -5,14 +5,17 @@ Counted are lines of Python that run, so that every machine sees the same.
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import pytest
 
 from tests.fuzz.damage import Reader, Sample
 from tests.fuzz.readers import readers
 from tests.growth.inputs import GROWING, Growing
-from tests.growth.work import work
 
 pytestmark = pytest.mark.slow
 
@@ -40,6 +43,30 @@ def _work(one: Growing, folder: Path, count: int) -> tuple[int, int]:
     """Return the size of an input and the work that it makes."""
     reader, data = reader_of(one, folder), one.text(count).encode()
     return len(data), work(lambda: list(reader.attempt(Sample(one.file, data))))
+
+
+def work(call: Callable[[], object]) -> int:
+    """Return how many lines of our own code, and of difflib, a call runs."""
+    count = 0
+
+    def line(_: FrameType, __: str, ___: Any) -> Any:
+        nonlocal count
+        count += 1
+        return line
+
+    def entered(frame: FrameType, _: str, __: Any) -> Any:
+        nonlocal count
+        count += 1
+        file = frame.f_code.co_filename
+        return line if "/eddi_" in file or file.endswith("difflib.py") else None
+
+    before = sys.gettrace()
+    sys.settrace(entered)
+    try:
+        call()
+    finally:
+        sys.settrace(before)
+    return count
 
 
 @pytest.mark.parametrize("name", GROWING)

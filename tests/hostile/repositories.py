@@ -11,25 +11,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tests.checkouts import git
+from tests.data_files import data_text
 from tests.hostile.world import World
 
 EDITED = "README.md"
 """A generated file that is not as it was made: git is asked whether a merge made it."""
 SHA = "1234567890" * 4
-CONFIG = """
-[core]
-	repositoryformatversion = 1
-	sshCommand = touch '{mark}'; false
-	fsmonitor = touch '{mark}'; false
-[extensions]
-	partialClone = origin
-[protocol]
-	allow = always
-[remote "origin"]
-	promisor = true
-	url = {url}
-	uploadpack = "touch '{mark}'; false"
-"""
+CONFIG = data_text("hostile/git_config.txt")
 
 
 def bare_look_alike(world: World) -> None:

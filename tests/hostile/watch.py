@@ -11,14 +11,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Seen:
-    """One file, folder, link or special file.
-
-    Attributes:
-        kind: ``stat``'s file type.
-        mode: permission bits.
-        mtime_ns: when it was last changed; of a folder, when a name in it came or went.
-        content: digest of a file that is not large, target of a link.
-    """
+    """One file, folder, link or special file."""
 
     kind: int
     mode: int

@@ -13,11 +13,7 @@ from tests.hostile.watch import Seen, look
 
 @dataclass(frozen=True)
 class World:
-    """One folder that holds all that a command could reach.
-
-    Attributes:
-        folder: all of it; what is watched.
-    """
+    """One folder that holds all that a command could reach."""
 
     folder: Path
 

@@ -10,25 +10,10 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
+from tests.data_files import data_text
 from tests.diagnosed import assert_reported
 
-SPEED = """---
-guarantees:
-  - {id: Drives, dimensions: [{Binary: {type: Driving}}]}
-demands: []
-evidence:
-  - id: Clearance
-    dimension:
-      Numeric:
-        type: Distance
-        covered: [{Inclusive: {start: 2, end: .inf}}]
-        subset: Demand
-        uom: m
-gates: []
-tree_propagations: [{from: Clearance, to: Drives}]
-required_services: []
-provided_services: []
-"""
+SPEED = data_text("monitors/speed.yml")
 
 
 def config_text(entry: str, sources: str = "", top: str = "") -> str:

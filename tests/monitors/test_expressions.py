@@ -14,6 +14,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 from tests.checkouts import HERE
+from tests.data_files import data_text
 
 EXAMPLE = HERE / "examples" / "rover-events"
 SECOND = 1_000_000_000
@@ -130,15 +131,7 @@ def test_what_is_wrong_and_where(battery: str, code: str, line: int, col: int, w
     assert words in " ".join(problem.message for problem in problems)
 
 
-SAFETY = """\
-ENUM Mode { AUTO, HAND }
-CONST limit = 80
-VAR motor.data : NUMBER UNIT degC TIMEOUT 500ms
-EVENT hot (EVIDENCE) := ONCE(motor.data > limit, 2s)   // another one uses it
-EVENT weak := battery.percentage < 0.2
-EVENT cool (HAZARD) := NOT hot
-EVENT elsewhere (EVIDENCE) := no.such.message > 1
-"""
+SAFETY = data_text("monitors/safety.events")
 
 
 def from_file(

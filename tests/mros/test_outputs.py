@@ -17,7 +17,7 @@ from eddi_scaffold.mros.topics import (
     give_ids,
     simulator_outputs,
 )
-from tests.data_files import data_file
+from tests.data_files import data_file, data_text
 
 
 def outputs_of(system: Path, folder: Path, **options: Any) -> tuple[Outputs, list[Problem]]:
@@ -50,54 +50,9 @@ def test_whole_systems(case: dict[str, Any]) -> None:
     assert counts == tuple(case[key] for key in keys)
 
 
-LASERS = """robot:
-  subSystems:
-    arm
-  nodes:
-    front:
-      from: "laser.laser"
-      namespace: /front
-      interfaces:
-        - points: pub-> "laser::cloud"
-        - clock: sub-> "laser::time"
-    rear:
-      from: "laser.laser"
-      namespace: rear
-  connections:
-    - [ticks, clock]
-"""
-ARM = """arm:
-  nodes:
-    /arm/driver:
-      from: "arm.driver"
-      interfaces:
-        - ticks: pub-> "driver::~/ticks"
-"""
-NODES = """laser:
-  artifacts:
-    laser:
-      node: laser
-      publishers:
-        scan:
-          type: sensor_msgs/msg/LaserScan
-        cloud:
-          type: sensor_msgs/msg/PointCloud2
-      subscribers:
-        time:
-          type: rosgraph_msgs/msg/Clock
-        stop:
-          type: std_msgs/msg/Bool
-      actionservers:
-        align:
-          type: laser_msgs/action/Align
-arm:
-  artifacts:
-    driver:
-      node: driver
-      publishers:
-        ~/ticks:
-          type: rosgraph_msgs/msg/Clock
-"""
+LASERS = data_text("mros/lasers.rossystem")
+ARM = data_text("mros/arm.ros2")
+NODES = data_text("mros/nodes.ros2")
 
 
 def laid(folder: Path, **files: str) -> Path:

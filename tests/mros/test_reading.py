@@ -7,7 +7,7 @@ import pytest
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.show import failure_json, model_json, model_tree, system_json, system_tree
-from tests.data_files import data_file
+from tests.data_files import data_file, data_text
 
 WORDS = {"M004": "surplus-brace", "M005": "unknown-key"}
 """The oracles name problems by words, as this project did before they had codes."""
@@ -58,149 +58,14 @@ def test_the_errors_of_damaged_texts() -> None:
     assert not different
 
 
-SYSTEM = """RosSystem { Name robot
-  Parameters { Parameter { name speed value 3 [ 1, { a } ] type Double } },
-  RosComponents {
-    ComponentInterface { name base NameSpace "/b"  FromRosNode "p.base"
-      RosPublishers { RosPublisher 'value' { ns "x" RefPublisher "p.x.n.scan/one.two" }, }
-      RosTopicPublishers { RosTopicPublisher odom { RefPublisher "p.x.n.odom" } }
-      RosSrvServers { RosServiceServer { RefServer 'p.x.n./on' } } // its last part is its name
-      RosActionClients { RosClient go { RefClient "p.x.n.go" } }
-      RosParameters { RosParameter { ns "k" RefParameter "p.x.n.k" } RosParameter r { value [ "1
-2", { c : 1 } ] } }
-    }
-    other /* without more */
-  }
-  RosComponentStacks (
-    ComponentStack { name arms SafetyLevel high
-      QualityAttributes { a { b [ c ] ( d ) } }
-      RosComponents ( ComponentInterface { name arm } ) } )
-  TopicConnections { TopicConnection message { From ( 'base.value' ) To ( 'arm.in' ) } }
-  ServiceConnections { ServiceConnection { FromSrv "base.on" ToSrv ( "arm.a", "arm.b" ) } }
-}
-"""
-SYSTEM_TREE = """\
-system robot (brace dialect)
-  component base in /b from p.base
-    publishes  value = p.x.n.scan/one.two
-    publishes  odom = p.x.n.odom
-    serves     /on = p.x.n./on
-    commands   go = p.x.n.go
-    2 parameters
-  component other
-  component arm
-  connection message: base.value -> arm.in
-  connection: base.on -> arm.a, arm.b"""
-MODEL = """PackageSet { package {
-  AmentPackage p { FromGitRepo "git@x"
-    Dependencies { ExternalDependency e, PackageDependency { any [ thing ] }, q }
-    spec { ServiceSpec S { request { } response { bool[] ok int8 N=3 uint8 B='x' p.T[3] t } }
-           ActionSpec A { goal MessageDefinition result { } feedback { p.T t } } }
-    artifact { Artifact x { node Node { name n
-      Publishers { Publisher { name message message "p.T" namespace GlobalNamespace { "g" } } }
-      serviceserver { ServiceServer { name "on" service "p.S" namespace "g" } },
-      parameter { Parameter { name k type Integer default { 3 } } } } },
-      Artifact y { } }
-  }, Package bare { } } } }
-"""
-MODEL_TREE = """\
-package p
-  artifact x: node n
-    publishes  message: p.T
-    serves     on: p.S
-    1 parameter
-  artifact y
-  service S
-    request: nothing
-    response: bool[] ok, int8 N=3, uint8 B=x, p.T[] t
-  action A
-    goal: nothing
-    result: nothing
-    feedback: p.T t
-package bare"""
-INDENT_SYSTEM = """robot: # comment
-\tfromFile: "pkg/launch/robot.launch"
-\tsubSystems:
-\t  mast
-\tparameters:
-\t  - speed: 3
-\tnodes:
-\t  base:
-\t    from: "p.base"
-\t    namespace: ns
-\t    interfaces:
-\t      - out: pub-> "x::scan"
-   # a comment at any column
-\t      -in:sub->"y::scan"
-\t      - "s": ss-> 'y::on'
-\t      old:
-\t        fromPub: "p.x.n.s"
-\t    parameters:
-\t      - "urdf": "x::urdf"
-\t        value: "<robot>
-  <link/>
-</robot>"
-\t  base:
-\t    from: "q.m"
-\tconnections:
-\t  - [ out,
-     in ]
-\t  -[ base, arm ]
-"""
-INDENT_SYSTEM_TREE = """\
-system robot (indent dialect)
-  from pkg/launch/robot.launch
-  part mast
-  component base in ns from p.base
-    publishes  out = x::scan
-    subscribes in = y::scan
-    serves     s = y::on
-    publishes  old = p.x.n.s
-    1 parameter
-  component base from q.m
-  connection: out -> in
-  connection: base -> arm"""
-INDENT_MODEL = """p:
-  fromGitRepo: "git@x"
-  dependencies: [a, b]
-  dependencies:
-    c
-    [d, e]
-  artifacts:
-    x:
-      node: n
-        actionservers:
-          go:
-            type: p/action/Go
-            ns: /g
-            qos:
-              depth: 3
-      parameters:
-        k:
-          type: Integer
-  srvs:
-    S
-      request
-      response
-        bool ok
-  specs:Vector3
-    msg: T
-      message
-        poses: p/Pose[9]
-        flags: [bool]
-        uint8[4] raw
-        int8 N= 3
-"""
-INDENT_MODEL_TREE = """\
-package p
-  artifact x: node n
-    acts       go: p/action/Go
-    1 parameter
-  service S
-    request: nothing
-    response: bool ok
-  topic T
-    message: p/Pose[] poses, [bool] flags, uint8[] raw, int8 N=3"""
+SYSTEM = data_text("mros/braces.rossystem")
+SYSTEM_TREE = data_text("mros/braces_system_tree.txt")
+MODEL = data_text("mros/braces.ros2")
+MODEL_TREE = data_text("mros/braces_model_tree.txt")
+INDENT_SYSTEM = data_text("mros/indent.rossystem")
+INDENT_SYSTEM_TREE = data_text("mros/indent_system_tree.txt")
+INDENT_MODEL = data_text("mros/indent.ros2")
+INDENT_MODEL_TREE = data_text("mros/indent_model_tree.txt")
 
 
 @pytest.mark.parametrize(

@@ -7,22 +7,13 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import EXAMPLE, run
+from tests.data_files import data_text
 
 BODY = "        self.RtE_A_E0 = RtE_E0.data\n"
 MARKED = (
     f"        '''-----Manual edit begin-----'''\n{BODY}        '''-----Manual edit end-----'''\n"
 )
-TEXT = """\
-class EDDIInput:
-    def __init__(self):
-        self.RtE_A_E0 = False
-
-    def process_RtE_A_E0(self, RtE_E0):
-BODY
-    def processing(self, simulator_outputs):
-        if 'RtE_E0' in simulator_outputs:
-            self.process_RtE_A_E0(simulator_outputs['RtE_E0'])
-"""
+TEXT = data_text("packages/pasted.txt")
 
 
 @pytest.mark.parametrize("body", [BODY, MARKED], ids=["without markers", "with markers"])

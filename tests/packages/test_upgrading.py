@@ -12,24 +12,12 @@ from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
+from tests.data_files import data_text
 
 pytestmark = pytest.mark.slow
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "two-conserts" / "two_conserts.xml"
-DEFAULT = """
-guarantees:
-  - {id: Safe, dimensions: [{Binary: {type: T}}]}
-  - {id: Fast, dimensions: [{Binary: {type: T}}]}
-demands: []
-evidence:
-  - {id: E, dimension: {Binary: {type: T}}}
-gates: []
-tree_propagations:
-  - {from: E, to: Fast}
-required_services: []
-provided_services:
-  - {id: S, functional_service_type: S, guarantees: [Safe, Fast]}
-"""
+DEFAULT = data_text("packages/default.yml")
 
 
 def generated(folder: Path, model: Path, marks: tuple[str, ...] = ()) -> None:

@@ -37,14 +37,7 @@ print(eddi_runtime.__file__)
 
 @dataclass(frozen=True)
 class World:
-    """An environment of its own with a monitor and the runtime, both installed from wheels.
-
-    Attributes:
-        wheels: folder with both.
-        site: where they are installed.
-        python: interpreter of the environment.
-        package: the monitor's package, as it was generated.
-    """
+    """An environment of its own with a monitor and the runtime, both installed from wheels."""
 
     wheels: Path
     site: Path

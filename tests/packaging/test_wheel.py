@@ -19,12 +19,7 @@ pytestmark = pytest.mark.slow
 
 @dataclass(frozen=True)
 class Installed:
-    """A wheel in a folder of its own, with a private home.
-
-    Attributes:
-        folder: beside ``home`` and ``site``.
-        wheel: the file.
-    """
+    """A wheel in a folder of its own, with a private home."""
 
     folder: Path
     wheel: Path
@@ -97,15 +92,12 @@ def test_the_main_job_and_the_update_of_a_package_of_an_old_release(
         ("generate", "-w", ".", *files_a): 0,
         ("upgrade", "-w", "."): 0,
         ("status", "-w", "."): 0,
-        ("answers", *files_a, "-o", "a.yml"): 0,
         ("answers", *files_b, "-o", "b.yml"): 0,
     }
     several(working, tmp_path, installed.env)
     package = tmp_path / "src" / "eddi_monitor" / "conserta"
     answers = (package / ".copier-answers.yml").read_text("utf-8")
     assert f"_commit: {NOW}\n_src_path: {SHELF}\n" in answers
-    installed.copier("copy", "--data-file", tmp_path / "a.yml", SHELF, tmp_path / "plain")
-    assert tree(tmp_path / "plain") == tree(package)
 
     package = tmp_path / "consertb"
     words = ("--data-file", tmp_path / "b.yml", "--vcs-ref", OLD)

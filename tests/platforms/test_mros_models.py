@@ -13,16 +13,11 @@ from eddi_scaffold.mros import load_models, load_system
 from eddi_scaffold.mros.topics import simulator_outputs
 from eddi_scaffold.platforms.ros_packages import nodes_of, specs_of
 from tests.cli.command import EXAMPLE
+from tests.data_files import data_text
 
 WORKSPACE = EXAMPLE / "expected" / "src" / "eddi_monitor"
 SYSTEM = WORKSPACE / "eddi_monitor_launcher" / "ros" / "eddi_monitors.rossystem"
-CONFIG = """\
-Model: {id: Rover, type: ConSert}
-SimulatorOutputs:
-  - {id: consertb, type: eddi_messages.ConSertOutput, topic: /consertb/guarantees}
-EDDIInputs:
-  - {id: Works, type: bool, requires: [consertb]}
-"""
+CONFIG = data_text("platforms/rover_config.yml")
 
 
 def test_the_system_is_read_with_all_topics_of_its_nodes() -> None:

@@ -13,6 +13,7 @@ import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from tests.cli.command import example, run
+from tests.data_files import data_text
 from tests.diagnosed import assert_reported
 
 rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
@@ -155,17 +156,7 @@ def test_without_the_extra_it_says_what_to_install(
 
 
 OLDER = {"robot_msgs/msg/Battery": "float32 volts\nbool charging\nfloat32[] cells\n"}
-BATTERY = """
-Model: {id: Charge, type: Event, frequency: 2, parameters: [{model: charge.events}]}
-MessageTypes:
-  robot_msgs/Battery: {DECLARED}
-SimulatorOutputs:
-  - {id: battery, type: robot_msgs.Battery, topic: /battery}
-EDDIInputs:
-  - {id: low, type: bool, max_age: 1, INPUT}
-EDDIOutputs:
-  - {id: charge, topic: charge}
-"""
+BATTERY = data_text("recordings/battery_config.yml")
 
 
 def battery(folder: Path, declared: str, text: str) -> Any:

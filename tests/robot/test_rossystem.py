@@ -11,49 +11,16 @@ import pytest
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.connect.robot import read_robot
 from eddi_scaffold.connect.rossystem import Filters, Parsed, parse
+from tests.data_files import data_text
 
-SYSTEM = """robot:
-  subSystems:
-    mast
-  nodes:
-    front:
-      from: "laser.laser"
-      namespace: /front
-    arm:
-      from: "arm.driver"
-      interfaces:
-        - joints: pub-> "driver::ticks"
-"""
+SYSTEM = data_text("robot/robot.rossystem")
 MAST = """mast:
   nodes:
     camera:
       from: "camera.usb"
 """
-LASER = """laser:
-  artifacts:
-    laser:
-      node: laser
-      publishers:
-        scan:
-          type: sensor_msgs/msg/LaserScan
-"""
-OTHERS = """arm:
-  artifacts:
-    driver:
-      node: driver
-      publishers:
-        ticks:
-          type: rosgraph_msgs/msg/Clock
-        load:
-          type: std_msgs/msg/Float64
-camera:
-  artifacts:
-    usb:
-      node: usb
-      publishers:
-        image:
-          type: sensor_msgs/msg/Image
-"""
+LASER = data_text("robot/laser.ros2")
+OTHERS = data_text("robot/others.ros2")
 IDS = ["image", "scan", "ticks", "load"]
 
 

@@ -25,13 +25,7 @@ _SOURCED = bool(os.environ.get("AMENT_PREFIX_PATH"))
 
 
 class Release:
-    """One ROS 2 of this machine.
-
-    Attributes:
-        name: such as ``kilted``.
-        prefix: its folder.
-        python: its interpreter.
-    """
+    """One ROS 2 of this machine."""
 
     def __init__(self, name):
         self.name = name

@@ -16,6 +16,7 @@ from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import chosen
 from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import example, run
+from tests.data_files import data_text
 from tests.quick_copier import copier_here
 from tests.updates.inputs import Input, write_inputs
 from tests.updates.lives import START, Life, histories, outside, parsed, snapshot, texts, write_in
@@ -30,15 +31,7 @@ _MORE = {
 }
 
 
-_NETWORK = """\
-Model: {id: net, type: BayesianNetwork, outputs: [speed]}
-SimulatorOutputs:
-  - {id: sky, type: std_msgs.String, topic: /sky}
-EDDIInputs:
-  - {id: weather, requires: [sky], max_age: 1}
-EDDIOutputs:
-  - {id: net, topic: net/speed}
-"""
+_NETWORK = data_text("updates/network_config.yml")
 
 
 @dataclass
@@ -104,7 +97,7 @@ class OnlyCopier:
 _PLACES = {
     "ros1": ("ros1", START, "update"),
     "ros2": ("ros2", START, ""),
-    "plain": ("plain", START, "recopy"),
+    "plain": ("plain", START, ""),
     "network": ("plain", (), "copy"),
     "ros2-network": ("ros2", (), ""),
 }

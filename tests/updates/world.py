@@ -62,15 +62,7 @@ def begun(templates: Templates, inputs: tuple[Input, ...], template: str) -> Pat
 
 @dataclass
 class World:
-    """The workspace.
-
-    Attributes:
-        folder: scratch folder around it.
-        templates: where packages are made from.
-        inputs: what the model has now.
-        template: the tag of today.
-        workspace: the repository.
-    """
+    """The workspace."""
 
     folder: Path
     templates: Templates
