@@ -1,7 +1,7 @@
 """What SafeML monitors find: share of windows that count as a violation, per fault and statistic.
 
 20 features are made of 10 factors and noise; the fault changes one feature, by its standard
-deviation. Prints the table of docs/reference/safeml.md: the 20 features themselves, then ten
+deviation. Prints the table of docs/explanation/safeml.md: the 20 features themselves, then ten
 components and the residual. The row ``none`` is the rate of false violations.
 
     PYTHONPATH=.:runtime_lib/src python -m tests.kinds.safeml.simulation [--quick]
