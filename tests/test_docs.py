@@ -181,6 +181,23 @@ def test_the_site_builds(tmp_path: Path) -> None:
     assert (tmp_path / "README.html").is_file()
 
 
+def words(page: Path) -> int:
+    """Return the number of words of a page; of the README, what stands before "More"."""
+    return len(page.read_text("utf-8").partition("\n## More\n")[0].split())
+
+
+def test_pages_are_short() -> None:
+    """What a newcomer reads one after the other, the pages that are looked up, and all of them."""
+    tutorials = ("first-guarantee", "warehouse-robot", "living-with-it")
+    path = [PAGES[0], *(ROOT / f"docs/tutorials/{name}.md" for name in tutorials)]
+    assert words(PAGES[0]) <= 700
+    assert sum(map(words, path)) <= 4_000
+    pages = [page for page in PAGES[1:] if page.name != "python.md"]  # written from docstrings
+    looked_up = [page for page in pages if page.parent.name == "reference"]
+    assert [page.name for page in looked_up if words(page) > 1_200] == []
+    assert sum(map(words, pages)) <= 35_000
+
+
 def test_the_messages_are_up_to_date() -> None:
     written = runpy.run_path(str(ROOT / "script" / "messages.py"))
     assert written["PAGE"].read_text("utf-8") == written["document"]()
