@@ -58,15 +58,15 @@ def test_bodies_model_and_configuration_are_taken_over(old: Path) -> None:
             "id": "ConSertA",
             "type": "ConSert",
             "frequency": 20,
-            "parameters": [{"model": "ConSertA.yml"}],
+            "model": "ConSertA.yml",
         },
         "SimulatorOutputs": [
             {
                 "id": "consertb",
-                "type": "eddi_messages.ConSertOutput",
+                "type": "eddi_messages/ConSertOutput",
                 "topic": "/consertb/guarantees",
             },
-            {"id": "RtE_E0", "type": "std_msgs.Bool", "topic": "/rte/e0a"},
+            {"id": "RtE_E0", "type": "std_msgs/Bool", "topic": "/rte/e0a"},
         ],
         "EDDIInputs": [
             {"id": "RtE_A_D0", "type": "bool", "requires": ["consertb"], "default": False},
