@@ -38,7 +38,10 @@ _TEXTS = {
     "too_short": "a text is expected, not nothing",
 }
 """Messages in place of pydantic's, which address programmers."""
-_AGE = "write seconds, about 2.5 periods of the topic, or give `connect` a recording: --bag"
+_AGE = (
+    "write a duration such as `0.5 s`, about 2.5 periods of the topic, "
+    "or give `connect` a recording: --bag"
+)
 _OTHER = "write it in place of TODO; comments of `connect` say what fits"
 
 

@@ -42,7 +42,6 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs
 from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
 from eddi_scaffold.monitors.message_types import known_messages
-from eddi_scaffold.monitors.spellings import default_outputs
 from eddi_scaffold.mros.topics import slug
 from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, value_11
 
@@ -271,11 +270,7 @@ class _Connecting:
         types |= self._declared_types()
         decisions = decide(self._needs(drafted.inputs), topics, types.get, fulfilled)
         named = {candidate.topic for decision in decisions for candidate in decision.candidates}
-        new = [
-            replace(topic, type=topic.type.replace("/", "."))
-            for topic in (*recorded, *published)
-            if topic in named
-        ]
+        new = [topic for topic in (*recorded, *published) if topic in named]
         document = read_block(Source(document.name, extended(document, new).encode()))
         full_names = {topic.topic: full_topic(topic.topic, "", self.package) for topic in topics}
         limits = {topic: ages_of[full] for topic, full in full_names.items() if full in ages_of}
@@ -284,7 +279,6 @@ class _Connecting:
             drafted.options,
             drafted.notes,
             [entry(decision, limits) for decision in decisions],
-            self._outputs(),
             {topic.id: age_line(topic, limits) for topic in topics},
         )
         after = with_draft(document, draft)
@@ -332,14 +326,11 @@ class _Connecting:
     def _model_section(self) -> dict[str, JsonValue]:
         """Return ``Model:`` of a new configuration; the file is named where it lies beside it."""
         type_ = self.kind.config_types[0]
-        section: dict[str, JsonValue] = {"id": self.model.name, "type": type_, "frequency": 10}
+        section: dict[str, JsonValue] = {"id": self.model.name, "type": type_}
         file, folder = self.path.resolve(), self.config.resolve().parent
         if file.is_relative_to(folder):
-            section["parameters"] = [{"model": file.relative_to(folder).as_posix()}]
-        return section
-
-    def _outputs(self) -> list[dict[str, JsonValue]]:
-        return default_outputs(self.package, self.kind, self.model.separate_outputs())
+            section["model"] = file.relative_to(folder).as_posix()
+        return {**section, "frequency": 10}
 
     def _unknown_inputs(self, ids: Sequence[str]) -> Iterator[Problem]:
         """Warn of entries that the model has no input for (K013)."""

@@ -13,16 +13,16 @@ from itertools import pairwise
 from statistics import median
 
 from eddi_scaffold.common.escaping import one_line
-from eddi_scaffold.common.identifiers import TODO, attribute
+from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.connect.matching import Decision
 from eddi_scaffold.connect.scoring import Candidate
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.spellings import PATH
 from eddi_scaffold.yaml_text.nodes import dump_plain, quoted
 
 MARK = "# connect:"
 """What the comments of this command begin with; a person's do not."""
-_EXPRESSIBLE = ("bool", "float", "int")
 _CHOOSE = "one of the above, or another"
 _FIND = "no topic is known"
 _CONDITION = "the condition for it, such as load.data > 60"
@@ -48,7 +48,7 @@ class Age:
 
     def line(self) -> str:
         """Return it as a line of an entry."""
-        return f"max_age: {self.seconds:g}{f'  # {one_line(self.why)}' if self.why else ''}"
+        return f"max_age: {self.seconds:g} s{f'  # {one_line(self.why)}' if self.why else ''}"
 
 
 def recorded_age(times: Sequence[int], where: str) -> Age | None:
@@ -100,13 +100,9 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
     why = [f"the EDDI names the event {event}" for event in need.events]
     if decision.state == "taken":
         best = decision.candidates[0]
-        use = best.access
-        taken = {"requires": best.topic.id} if use.key == "field" else {}
-        taken |= {use.key: use.text} | ({"unit": use.unit} if use.unit is not None else {})
-        source = [
-            f"{key}: [{_name(value)}]" if key == "requires" else f"{key}: {quoted(value)}"
-            for key, value in taken.items()
-        ]
+        unit = best.access.unit
+        taken = _origin(best) | ({"unit": unit} if unit is not None else {})
+        source = _texts(taken)
         lead = decision.lead
         ahead = "no other candidate" if lead is None else f"the next has {lead} less"
         why += [f"taken, {_points(best)}; {ahead}"]
@@ -115,8 +111,7 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
             age = _todo("max_age", _NO_RATE.format(best.topic.topic))
     else:
         note = _CHOOSE if decision.candidates else _FIND
-        keys = ("expression",) if need.type in _EXPRESSIBLE else ("requires", "field")
-        source = [_todo(key, note) for key in keys]
+        source = [_todo("from", note)]
         if need.states:
             states = (f"  {_todo(quoted(state), _CONDITION)}" for state in need.states)
             source = ["states:", *states]
@@ -143,19 +138,32 @@ def _choice(decision: Decision) -> list[str]:
         head = f"no topic fits; nearest {value}: {missed.reasons[0]}"
     else:
         head = "no topic fits"
-    return [head, *(f"  {_line(candidate, decision)}" for candidate in candidates)]
+    return [head, *(f"  {_line(candidate)}" for candidate in candidates)]
 
 
-def _line(candidate: Candidate, decision: Decision) -> str:
+def _line(candidate: Candidate) -> str:
     """Return a candidate as it can be written in place of TODO."""
-    use = candidate.access
-    name, text = attribute(candidate.topic.id), use.text
-    if decision.need.type not in _EXPRESSIBLE:
-        line = f"requires: [{quoted(candidate.topic.id)}], field: {quoted(text)}"
-    else:
-        line = f"expression: {quoted(text if use.key == 'expression' else f'{name}.{text}')}"
-    unit = f" with unit: {quoted(use.unit)}" if use.unit is not None else ""
+    line, unit = ", ".join(_texts(_origin(candidate))), candidate.access.unit
+    unit = f" with unit: {quoted(unit)}" if unit is not None else ""
     return f"{line}{unit}   {_points(candidate)}"
+
+
+def _origin(candidate: Candidate) -> dict[str, str]:
+    """Return keys and texts that say where the value comes from."""
+    use, id_ = candidate.access, candidate.topic.id
+    if use.key == "expression":
+        return {"from": use.text}
+    path = f"{id_}.{use.text}"
+    if PATH.fullmatch(path):
+        return {"from": path}
+    return {"requires": id_, "field": use.text}  # an id that is no word of a condition
+
+
+def _texts(source: Mapping[str, str]) -> list[str]:
+    return [
+        f"{key}: [{_name(text)}]" if key == "requires" else f"{key}: {quoted(text)}"
+        for key, text in source.items()
+    ]
 
 
 def _points(candidate: Candidate) -> str:

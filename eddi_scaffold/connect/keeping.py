@@ -14,11 +14,12 @@ from eddi_scaffold.config.topic_block import ConfigText
 from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, dump_plain, items_of, read_map
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, items_of, read_map
 from eddi_scaffold.yaml_text.spans import Span, TextEditor, comments, spans
 
 _OUTPUTS = ("EDDIOutputs", "EDDIOoutputs", "EDDIOOutputs")
-_SOURCES = ("requires", "field", "expression", "expression_file", "event", "states")
+_SOURCES = ("from", "requires", "field", "expression", "expression_file", "event", "states")
+_READ = ("from", "requires", "expression")
 _MARKED = re.compile(rf"^[ \t]*{MARK}[^\n]*\n", re.MULTILINE)
 _HEAD = (
     f"{MARK} drafted; lines that begin like this one are rewritten by the next run, all others",
@@ -34,7 +35,6 @@ class Draft:
     options: Mapping[str, JsonValue]  # keys of `Model:` that are added where they are missing
     notes: Mapping[tuple[str, ...], str]  # key path of an option -> what there is to decide
     entries: Sequence[EntryDraft]  # of `EDDIInputs`
-    outputs: Sequence[Mapping[str, JsonValue]]  # of `EDDIOutputs`
     # id of a simulator output -> line of the age limit, empty where it needs none, `None` where it
     # is not known
     ages: Mapping[str, str | None] = field(default_factory=dict)
@@ -71,9 +71,6 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
         body = ["EDDIInputs:", *(f"  {line}" for line in lines)] if lines else ["EDDIInputs: []"]
         place = min(outputs, default=len(text))
         editor.replace(place, place, body)
-    if not outputs:
-        lines = dump_plain({"EDDIOutputs": list(draft.outputs)}).splitlines()
-        editor.replace(len(text), len(text), lines)
     after = editor.result()
     _refuse_loss(document, after)
     return after
@@ -134,7 +131,8 @@ class _Editor(TextEditor):
             for key, (_, value) in pairs.items()
             if key in (*_SOURCES, "unit")
         }
-        is_ours = is_free or (bool(written) and written == dict(draft.taken))
+        is_taken = bool(written) and _one_spelling(written) == _one_spelling(draft.taken)
+        is_ours = is_free or is_taken
         has_reasons = is_ours or any(key in open_keys for key in sources)
         why, is_new = draft.why if has_reasons else (), bool(open_keys or not sources)
         self._comment(item, why, column, is_new=is_new)
@@ -145,7 +143,7 @@ class _Editor(TextEditor):
                 self.replace(end, end, draft.source, column)
         age: str | None = draft.age
         if not is_ours:  # of the output that it is made of, if that is only one
-            values = [pairs[key][1] for key in ("requires", "expression") if key in pairs]
+            values = [pairs[key][1] for key in _READ if key in pairs]
             text = " ".join(self.text[value.start : value.end] for value in values)
             used = {*re.findall(r"\w+", text)} & {*ages}
             age = ages[used.pop()] if len(used) == 1 else None
@@ -192,6 +190,16 @@ class _Editor(TextEditor):
         if value.is_map and value.children:
             return all(self._is_open(inner) for _, inner in value.entries())
         return self.text[value.start : value.end] == TODO
+
+
+def _one_spelling(source: Mapping[str, str]) -> Mapping[str, str]:
+    """Return where a value comes from as ``from:`` says it."""
+    match source:
+        case {"expression": text, **others}:
+            return {"from": text, **others}
+        case {"requires": topic, "field": path, **others}:
+            return {"from": f"{topic}.{path}", **others}
+    return source
 
 
 def _refuse_loss(document: ConfigText, after: str) -> None:

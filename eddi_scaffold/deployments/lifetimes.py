@@ -139,9 +139,9 @@ def _check(
         return
     place = reader.config.place("EDDIInputs", index, "max_age")
     is_default = entry.max_age is None and source.max_age is None
-    hint = f"at least {_PERIODS} periods: max_age: {_PERIODS * period:g}"
+    hint = f"at least {_PERIODS} periods: max_age: {_PERIODS * period:g} s"
     if is_default:
-        hint = f"write `max_age: {_ADVISED * period:g}` in its entry of EDDIInputs"
+        hint = f"write `max_age: {_ADVISED * period:g} s` in its entry of EDDIInputs"
     case = "K029.default_below_period" if is_default else "K029.below_period"
     values = {"input": entry.id, "source": provider.name}
     yield problem(case, place, hint=hint, limit=limit, period=period, **values)

@@ -16,7 +16,7 @@ from typing import Any
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
-from eddi_scaffold.config.file import MODEL_KEYS
+from eddi_scaffold.config.file import MODEL_KEYS, undecided
 from eddi_scaffold.config.schema import MONITOR_AGE
 from eddi_scaffold.kinds import Kind, kinds
 from eddi_scaffold.yaml_text.nodes import (
@@ -37,7 +37,7 @@ _ALIASES = {
 }
 """Names of sections that D7.2's figures misspell."""
 _COMMON = ("SimulatorOutputs", "MessageTypes", "Package")
-_PATH = re.compile(r"(?P<head>[A-Za-z_]\w*)(?P<rest>(?:\.[A-Za-z_]\w*|\[[^\[\]]*\])*)")
+PATH = re.compile(r"(?P<head>[A-Za-z_]\w*)(?P<rest>(?:\.[A-Za-z_]\w*|\[[^\[\]]*\])*)")
 _CLAIM = re.compile(r'"[^"]*"|(?<![\w.])(?P<monitor>[A-Za-z_]\w*)\.(?P<claim>[A-Za-z_]\w*)')
 _BLANK = re.compile(r'("[^"]*")|(?<=[0-9]) +(?=(?:ms|s|min|h)\b)')  # before the unit of a duration
 _INSTEAD = ("requires", "field", "expression", "expression_file", "states")
@@ -148,6 +148,7 @@ class _Robot:
         self.source = source
         self.problems: list[Problem] = []
         self.readings = 0  # of claims, so far
+        self.clashing: Collection[str | None] = ()  # topics with the id of another monitor
         self.documents: dict[str, Map] = {}
         self.parts: dict[str, Sequence[str]] = {}  # file of a model -> what is published apart
         for document in documents:
@@ -157,7 +158,9 @@ class _Robot:
 
     def spelt_out(self, document: Map) -> Map:
         """Return a configuration in full."""
+        own = _text(document.get("Model"), "id")
         topics = {_text(item, "id") for item in items_of(document.get("SimulatorOutputs"))}
+        self.clashing = {id_ for id_ in topics & {*self.documents} if id_ != own}
         read: dict[str, Map] = {}
         full: dict[str, tuple[Scalar, Node]] = {}
         for key, value in document.entries:
@@ -181,15 +184,19 @@ class _Robot:
         text, place = as_text(node), node.place
         clashing = [key for key in _INSTEAD if entry.get(key) is not None]
         self.problems += [problem("K003.from", place, key=key) for key in clashing]
-        if text is None:
-            self.problems.append(problem("K003.from_text", place))
+        names = ["EDDIInputs", _text(entry, "id") or "", "from"]
+        is_open = (
+            [*undecided(node, names)] if text is not None else [problem("K003.from_text", place)]
+        )
+        self.problems += is_open
+        if text is None or is_open:
             others = [pair for pair in entry.entries if pair[0].text != "from"]
             return replace(entry, entries=tuple(others))
-        match, new = _PATH.fullmatch(text.strip()), dict[str, Node | str | None]()
+        match, new = PATH.fullmatch(text.strip()), dict[str, Node | str | None]()
         before = self.readings
         if match is not None and (match["head"] in topics or match["head"] not in self.documents):
             head, rest = match["head"], match["rest"]
-            self._clash(head, topics, node)
+            self._clash(head, node)
             new["requires"] = Items((Scalar(head, plain=False, place=place),), place)
             col = None if place.col is None else place.col + len(head) + 1
             field = Scalar(rest.removeprefix("."), plain=False, place=replace(place, col=col))
@@ -204,7 +211,7 @@ class _Robot:
             def spelt(claim: re.Match[str]) -> str:
                 name = claim["monitor"]
                 if name is None or name in topics or name not in self.documents:
-                    self._clash(name, topics, node)
+                    self._clash(name, node)
                     return claim[0]
                 reading = self._reading(name, claim["claim"], node, read)
                 return claim[0] if reading is None else ".".join(reading)
@@ -218,8 +225,8 @@ class _Robot:
             entries += map_of(place, new).entries if key.text == "from" else [(key, value)]
         return replace(entry, entries=tuple(entries))
 
-    def _clash(self, name: str | None, topics: Collection[str | None], node: Node) -> None:
-        if name in topics and name in self.documents:
+    def _clash(self, name: str | None, node: Node) -> None:
+        if name in self.clashing:
             self.problems.append(problem("K006.topic_and_monitor", node.place, name=name))
 
     def _reading(

@@ -51,7 +51,7 @@ def test_every_body_is_in_its_method(old: Path) -> None:
         "id": "PedestrianRisk",
         "type": "BayesianNetwork",
         "observed": ["AV_Shuttle_Speed", "Distance_to_Pedestrian"],
-        "parameters": [{"model": "PedestrianRisk.xdsl"}],
+        "model": "PedestrianRisk.xdsl",
     }
     path = package / "bayesian_network_config.py"  # it gives the old answers
     path.write_text(text.replace("self.to_kmh(self.dra_data.vehicleSpeed)", "4.0"), "utf-8")

@@ -39,7 +39,7 @@ def test_the_package_keeps_its_name(tmp_path: Path) -> None:
         "type": "BayesianNetwork",
         "frequency": 0.2,
         "observed": ["Density", "Distance", "Heat", "Fire"],
-        "parameters": [{"model": "harm_risk.xdsl"}],
+        "model": "harm_risk.xdsl",
     }
 
 

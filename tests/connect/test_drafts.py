@@ -35,7 +35,7 @@ def draft(
     """Return what is drafted for some inputs."""
     entries = [entry(one, ages or {}) for one in decide(needs, topics, TYPES.get)]
     model = {"id": "Rover", "type": "ConSert"}
-    return Draft(model, {}, {}, entries, [{"id": "rover", "topic": "rover/guarantees"}])
+    return Draft(model, {}, {}, entries)
 
 
 def written(text: str, wanted: Draft) -> str:
@@ -75,10 +75,22 @@ def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
     kept = [line for line in mine.splitlines(keepends=True) if "# connect:" not in line]
     now = after.splitlines(keepends=True)
     assert [one for one in kept if one not in now] == ["  expression: TODO\r\n"]
-    assert "  requires: [charge]\r\n  field: level\r\n  max_age: 5   # measured\r\n" in after
-    assert "- id: Speed\r\n  # connect: no topic fits\r\n  expression: TODO  # TODO" in after
+    assert "  from: charge.level\r\n  max_age: 5   # measured\r\n" in after
+    assert "- id: Speed\r\n  # connect: no topic fits\r\n  from: TODO  # TODO" in after
     assert after.count("\n") == after.count("\r\n")
     assert "WayIsClear\r\n  # my reason" in after  # the reasons for what was not taken are gone
+
+
+@pytest.mark.parametrize(
+    "mine", ["requires: [charge]\n  field: level", "expression: charge.level", "from: charge.level"]
+)
+def test_each_spelling_of_what_is_drafted_stays(mine: str) -> None:
+    head = "Model: {id: Rover, type: ConSert}\nEDDIInputs:\n- id: Charge\n"
+    ages = {"/power/charge": Age(0.5, "a rate")}
+    after = written(f"{head}  {mine}\n  max_age: TODO\n", draft([POWER], [CHARGE], ages))
+    entry_ = after.removeprefix(head).splitlines()
+    assert entry_[0].startswith("  # connect: taken")
+    assert "\n".join(entry_[1:]) == f"  {mine}\n  max_age: 0.5 s  # a rate"
 
 
 def test_comments_of_a_person_behind_what_is_open_stay() -> None:
@@ -98,9 +110,9 @@ def test_comments_of_a_person_behind_what_is_open_stay() -> None:
     after = written(mine, draft([WAY, InputNeed("Speed", "float")], [CLEAR]))
     words = ("one", "two", "three", "four", "five", "six", "seven", "eight")
     assert [word for word in words if after.count(word) != 1] == []
-    assert "  # TODO ask two\n  requires: [clear]\n  field: data\n  # three\n" in after
+    assert "  # TODO ask two\n  from: clear.data\n  # three\n" in after
     assert "  max_age: TODO  # TODO seconds six\n" in after
-    assert "  expression: TODO  # seven\n" in after
+    assert "  # seven\n  from: TODO  # TODO no topic is known\n" in after
 
 
 def test_a_pause_of_a_recording_is_none_of_the_rate() -> None:
@@ -133,7 +145,7 @@ def test_names_of_models_stay_data(evil: str) -> None:
     notes = {("later", evil, "bins"): evil}
     text = written("", replace(draft(needs, topics), options=options, notes=notes))
     root = content(text)
-    assert root.keys() == ["Model", "EDDIInputs", "EDDIOutputs"]
+    assert root.keys() == ["Model", "EDDIInputs"]
     entries, model = root.get("EDDIInputs"), root.get("Model")
     assert isinstance(entries, Items)
     assert isinstance(model, Map)
@@ -141,13 +153,13 @@ def test_names_of_models_stay_data(evil: str) -> None:
     assert model.keys() == ["id", "type", evil or "-", "later"]
     assert "K059" in [one.code for one in undecided(root)]
     assert not any(one.message.endswith(".id") for one in undecided(entries))
-    keys = {"id", "requires", "field", "expression", "unit", "max_age"}
+    keys = {"id", "from", "requires", "field", "expression", "unit", "max_age"}
     assert all(keys.issuperset(one.keys()) for one in entries.items if isinstance(one, Map))
 
 
 def test_options_are_added_where_they_are_missing() -> None:
     options = {"discretisation": {"Speed": {"bins": "TODO"}, "Near": {"bins": "TODO"}}}
-    wanted = Draft({}, options, {("discretisation", "Near", "bins"): "2 edges"}, [], [])
+    wanted = Draft({}, options, {("discretisation", "Near", "bins"): "2 edges"}, [])
     mine = "Model:\n  id: N\n  type: BN\n  discretisation:\n    Speed: {bins: [1]}  # mine\n"
     assert written(mine, wanted).splitlines()[4:7] == [
         "    Speed: {bins: [1]}  # mine", "    Near:", "      bins: TODO  # TODO 2 edges"
@@ -164,7 +176,7 @@ EXAMPLES = [
     ("robot-models", "Rover.yml", "eddi_config.yml", [], 3),
     ("pedestrian", "pedestrian.xml", "eddi_config.yml", [], 5),
     ("drone", "drone.xml", "reliability_config.yml", ["--name", "MissionLoss"], 3),
-    ("safeml", "safeml_config.yml", "perception_config.yml", [], 2),
+    ("safeml", "safeml_config.yml", "perception_config.yml", [], 1),
     ("motor-watch", "motor_watch.events", "motor_config.yml", [], 0),
 ]
 
@@ -225,15 +237,15 @@ def test_evidence_of_another_name_is_left_to_a_person(tmp_path: Path) -> None:
     words = [word for one in others for word in ("--with", one)]
     done = run("connect", "warehouse.yml", *words, cwd=tmp_path)
     entries = dict(part.split("\n", 1) for part in done.out.split("  - id: ")[1:])
-    assert "    requires: [events]\n    field: active\n" in entries["PathClear"]
+    assert "    from: events.active\n" in entries["PathClear"]
     first = {
         "PowerHolds": '"reliability.evidence[LastsTheShift].active" 25 points',
         "Localised": '"posteriors.evidence[PoseIsGood].active" 30 points',
         "PeopleAreSeen": "scope.in_scope 25 points",
     }
     for name, text in first.items():
-        assert f"# connect: expression: {text}" in entries[name].splitlines()[1]
-        assert "expression: TODO  # TODO one of the above" in entries[name]
+        assert f"# connect: from: {text}" in entries[name].splitlines()[1]
+        assert "from: TODO  # TODO one of the above" in entries[name]
 
 
 def test_a_topic_of_another_monitor_is_added_once(tmp_path: Path) -> None:
@@ -243,7 +255,7 @@ def test_a_topic_of_another_monitor_is_added_once(tmp_path: Path) -> None:
     words = ("connect", "two_conserts.xml", "--name", "ConSertA", "--with", "consert_b_config.yml")
     assert run(*words, "-o", "a.yml", cwd=tmp_path).status == 0
     text = (tmp_path / "a.yml").read_text("utf-8")
-    assert f"{mine}- id: consertb\n  type: eddi_messages.ConSertOutput\n" in text
+    assert f"{mine}- id: consertb\n  type: eddi_messages/ConSertOutput\n" in text
     assert run(*words, "-o", "a.yml", cwd=tmp_path).err.endswith("a.yml is up to date\n")
 
 
@@ -265,9 +277,9 @@ def test_comments_of_variables_and_synonyms_of_a_robot_are_read(tmp_path: Path) 
     (tmp_path / "draft.yml").write_text(SCANNERS, "utf-8")
     assert run("connect", "way.events", "-o", "draft.yml", cwd=tmp_path).status == 0
     text = (tmp_path / "draft.yml").read_text("utf-8")
-    assert '  expression: "MIN(front.ranges[*], COVERAGE 0.9)"\n' in text
-    assert "max_age: 0.3  # TIMEOUT of the model\n" in text
-    assert "    requires: [spins]\n    field: data\n" in text
+    assert '  from: "MIN(front.ranges[*], COVERAGE 0.9)"\n' in text
+    assert "max_age: 0.3 s  # TIMEOUT of the model\n" in text
+    assert "    from: spins.data\n" in text
     (tmp_path / "draft.yml").write_text(text.replace("max_age: TODO", "max_age: 0.5"), "utf-8")
     checked = run("check", "draft.yml", cwd=tmp_path)
     assert (checked.status, " error: " in checked.err) == (0, False)

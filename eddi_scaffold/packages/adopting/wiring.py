@@ -51,9 +51,8 @@ class Wiring:
     def as_yaml(self, name: str, kind: str, model: str) -> str:
         """Return the text of an ``eddi_config.yml`` of a model of a kind, in a file beside it."""
         frequency = {"frequency": self.frequency} if self.frequency is not None else {}
-        section = {"id": name, "type": kind, **frequency, **self.options}
         document = {
-            "Model": {**section, "parameters": [{"model": model}]},
+            "Model": {"id": name, "type": kind, "model": model, **frequency, **self.options},
             "SimulatorOutputs": list(self.topics.values()),
             "EDDIInputs": [input_.as_entry() for input_ in self.inputs],
             "EDDIOutputs": [{"id": id_, "topic": topic} for id_, topic in self.outputs.items()],
@@ -114,7 +113,7 @@ def _message_classes(module: ParsedModule) -> Iterator[tuple[str, str]]:
         if isinstance(node, ast.ImportFrom) and node.module and node.module.endswith(".msg"):
             for alias in node.names:
                 name = alias.asname or alias.name
-                yield name, f"{node.module.removesuffix('.msg')}.{alias.name}"
+                yield name, f"{node.module.removesuffix('.msg')}/{alias.name}"
 
 
 def _stored(module: ParsedModule) -> Iterator[tuple[str, str]]:
