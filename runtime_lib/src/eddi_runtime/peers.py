@@ -103,15 +103,15 @@ class Peers:
         for message in new.pop(_WORDS, ()):
             self.hear(message, now)
         receipts.pop(_WORDS, None)
-        found = self.find(now)
-        receipts.update((name, one.receipt) for name, one in found.items() if one.receipt)
-        return {name: one.word for name, one in found.items()}
+        entries = self.find(now).items()
+        receipts.update((name, entry.receipt) for name, entry in entries if entry.receipt)
+        return {name: entry.word for name, entry in entries}
 
     def told(self, message: object, monitor: Any, now: float) -> Tree:
         """Return the word about a message that was published, as ``word`` does."""
         rows = getattr(message, "guarantees", ())
         by = [monitor.robots(row.id) if row.active else () for row in rows]
-        return self.word([(one.id, one.active, robots) for one, robots in zip(rows, by)], now)
+        return self.word([(row.id, row.active, robots) for row, robots in zip(rows, by)], now)
 
     def word(self, guarantees: Iterable[tuple[str, bool, Iterable[str]]], now: float) -> Tree:
         """Return the next word: for each guarantee id, whether it is active, robots behind it."""
@@ -123,7 +123,7 @@ class Peers:
         told: list[Tree] = []
         for id_, active, robots in guarantees:
             # the monitors behind the words of the robots
-            behind = sorted({one for name in robots for one in self._behind.get(name, ())})
+            behind = sorted({monitor for name in robots for monitor in self._behind.get(name, ())})
             told.append(("RobotGuarantee", {"id": id_, "active": active, "rests_on": behind}))
         speakers = self._speakers.items()
         heard = [
@@ -155,10 +155,10 @@ class Peers:
 
     def _echoed(self, message: Any) -> float:
         """Return when the word that a message echoes was told, ``-inf`` for none of ours."""
-        for one in message.heard:
-            if (one.robot, one.model_id, one.session) == self.name:
+        for echo in message.heard:
+            if (echo.robot, echo.model_id, echo.session) == self.name:
                 first = self._told[0][0] if self._told else self._number + 1
-                place = one.sequence - first
+                place = echo.sequence - first
                 return self._told[place][1] if 0 <= place < len(self._told) else -math.inf
         return -math.inf
 
@@ -191,16 +191,17 @@ class Peers:
             return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
         _, found = min(candidates)
         if not found.word.unfit and found.receipt is not None:  # these stand behind it
-            one: Any = found.receipt.message
-            behind = {f"{one.robot}/{one.model_id}", *_of(one, source.guarantee)[0].rests_on}
-            self._behind[one.robot] = self._behind.get(one.robot, frozenset()) | behind
+            message: Any = found.receipt.message
+            robot, rests_on = message.robot, _of(message, source.guarantee)[0].rests_on
+            behind = {f"{robot}/{message.model_id}", *rests_on}
+            self._behind[robot] = self._behind.get(robot, frozenset()) | behind
         return found
 
     def _unfit(
-        self, source: Source, one: _Speaker, sessions: Sequence[_Speaker], now: float
+        self, source: Source, speaker: _Speaker, sessions: Sequence[_Speaker], now: float
     ) -> str:
         """Return why the word of a node does not count, empty when it does."""
-        message, age = one.message, now - one.made_after
+        message, age = speaker.message, now - speaker.made_after
         robot, told = message.robot, _of(message, source.guarantee)
         limit = min(self._lease, message.lease)
         if message.model_digest != source.digest:
@@ -228,7 +229,7 @@ _HEARD = ("robot", "model_id", "session", "sequence")
 
 def _of(message: Any, guarantee: str) -> list[Any]:
     """Return a guarantee in a word, as often as it is there."""
-    return [one for one in message.guarantees if one.id == guarantee]
+    return [row for row in message.guarantees if row.id == guarantee]
 
 
 def _robots(source: Source) -> str:

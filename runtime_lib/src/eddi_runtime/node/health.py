@@ -98,7 +98,7 @@ class Health:
         self, receipts: Mapping[str, Receipt], *, waiting: bool
     ) -> tuple[tuple[str, str], ...]:
         faults = self._monitor.faults()
-        found: list[tuple[str, str]] = []
+        states: list[tuple[str, str]] = []
         for spec in self._inputs:
             known = self._eddi_input.states.get(spec.id)
             state, reason = (NEVER, "") if known is None else (known.state, known.reason)
@@ -108,12 +108,12 @@ class Health:
                 state = INVALID
             elif state == FRESH and is_nan(read(self._eddi_input, spec.attribute, spec.id)):
                 state, reason = INVALID, "the value is NaN"
-            elif state == FRESH and any(one.age == UNKNOWN_AGE for one in present):
+            elif state == FRESH and any(receipt.age == UNKNOWN_AGE for receipt in present):
                 state = LATCHED
             elif state == NEVER and waiting:
                 state = WAITING
-            found.append((state, reason))
-        return tuple(found)
+            states.append((state, reason))
+        return tuple(states)
 
     def collect(
         self,
@@ -140,7 +140,7 @@ class Health:
                 state=state,
                 reason=reason,
                 age=max((receipt.age_at(now) for receipt in here), default=None),
-                received=min((one.received for one in here), default=0) if complete else 0,
+                received=min((receipt.received for receipt in here), default=0) if complete else 0,
                 errors=self._errors.get(spec.id, 0),
                 blocks=tuple(known.blocks.get(spec.id, ())) if state != FRESH else (),
                 limit=spec.max_age,
@@ -212,7 +212,7 @@ class Diagnostics:
             if periodic:
                 due = now + PERIOD_S
             asked = self._sources if periodic else changed
-            statuses = [one for collect in asked for one in self._tried(collect, periodic)]
+            statuses = [status for collect in asked for status in self._tried(collect, periodic)]
             if statuses:
                 self._tried(self._publish, statuses)
             time.sleep(_CALM_S)

@@ -68,8 +68,8 @@ class Node:
     def __init__(
         self, monitor: Steps, eddi_input: EDDIInputBase, converter: Converter, options: Options
     ) -> None:
-        given: Any = monitor
-        self._core: Monitor[Any] = getattr(given, "monitor", given)
+        core: Any = monitor
+        self._core: Monitor[Any] = getattr(core, "monitor", core)
         self.monitor = monitor
         self.eddi_input: EDDIInputBase = understood(eddi_input, self._core.inputs)
         self._pasted = self.eddi_input is not eddi_input
@@ -230,7 +230,7 @@ class Node:
     ) -> Any:
         words = {} if self._peers is None else self._peers.take(receipts, new, now)
         unfit = {name for name, word in words.items() if word.unfit}
-        latest = {name: one.message for name, one in receipts.items() if name not in unfit}
+        latest = {name: receipt.message for name, receipt in receipts.items() if name not in unfit}
         self.simulator_values = latest
         ages = {name: receipt.age_at(now) for name, receipt in receipts.items()}
         t_ns = self.now_ns()
@@ -249,8 +249,8 @@ class Node:
             return ""
         message = self.create_ros_msg(output)
         if type(self).create_ros_msg is not Node.create_ros_msg:  # made by hand
-            for one in each(message):
-                self.check_serialises(one)
+            for part in each(message):
+                self.check_serialises(part)
         self._publish_all(self._publications, message)
         return "; ".join(self._core.output_faults())
 

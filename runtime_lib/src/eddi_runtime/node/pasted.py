@@ -13,17 +13,17 @@ PASTED = (
 )
 
 
-def understood(given: Any, specs: Sequence[InputSpec]) -> Any:
+def understood(eddi_input: Any, specs: Sequence[InputSpec]) -> Any:
     """Return an ``EDDIInput`` as it is, one of D7.2 with what it lacks: ages and states."""
-    return given if hasattr(given, "begin_step") else EDDIInputBase(given, specs)
+    return eddi_input if hasattr(eddi_input, "begin_step") else EDDIInputBase(eddi_input, specs)
 
 
 class EDDIInputBase(inputs.EDDIInputBase):
     """An ``EDDIInput`` around one of D7.2; the name of its base, for two underscores."""
 
-    def __init__(self, given: Any, specs: Sequence[InputSpec]) -> None:
+    def __init__(self, eddi_input: Any, specs: Sequence[InputSpec]) -> None:
         super().__init__(specs)
-        self.__given = given
+        self.__pasted = eddi_input
 
     def processing(self, simulator_outputs: Mapping[str, object], t_ns: int | None = None) -> None:
         self.begin_processing(t_ns)
@@ -37,16 +37,16 @@ class EDDIInputBase(inputs.EDDIInputBase):
         messages = {k: v for k, v in simulator_outputs.items() if k in fresh or k not in required}
         problem = None
         for spec in self.__specs.values():
-            setattr(self.__given, spec.attribute, None)
+            setattr(self.__pasted, spec.attribute, None)
         try:
-            self.__given.processing(messages)
+            self.__pasted.processing(messages)
         except Exception as error:  # noqa: BLE001 - whatever a person's method raises
             problem = invalid(error, None)
         new = self.__arrived if self.__new is None else [k for k, v in self.__new.items() if v]
         for name, spec in self.__specs.items():
             state, value = problem or received[name], None
             if state.state == "ok":
-                value = getattr(self.__given, spec.attribute, None)
+                value = getattr(self.__pasted, spec.attribute, None)
                 if value is None:
                     state = InputState("invalid", "`processing` did not assign it", state.age)
                 elif spec.every_message and not any(name in new for name in spec.requires):

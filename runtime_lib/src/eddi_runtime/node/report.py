@@ -118,9 +118,9 @@ def report(
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     by_id = {fact.id: fact for fact in inputs}
     values = list(identity.items())
-    for one in monitor.standings:
-        key = f"{one.what}.{one.id}" if one.what else one.id
-        values.append((key, standing_text(one, by_id)))
+    for standing in monitor.standings:
+        key = f"{standing.what}.{standing.id}" if standing.what else standing.id
+        values.append((key, standing_text(standing, by_id)))
     for fact in inputs:
         age = "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
         pairs = [("age_s", age), ("received", str(fact.received)), ("errors", str(fact.errors))]
@@ -144,38 +144,38 @@ def because(fact: InputFact) -> str:
     if fact.state == LATCHED:
         return "age unknown"
     blamed, parts = fact.blamed(), []
-    absent = ", ".join(one.explained(one.topic) for one in blamed if one.age is None)
+    absent = ", ".join(source.explained(source.topic) for source in blamed if source.age is None)
     if absent:
         waiting = fact.state == WAITING
         begin = "waiting for first message of" if waiting else "never received since start:"
         parts.append(f"{begin} {absent}")
-    for one in blamed:
-        if one.age == UNKNOWN_AGE:
-            parts.append(f"{one.topic} was latched, its age is not known")
-        elif one.age is not None:
-            late = f"{one.topic} is late, {one.age:.3g} s old, the limit is {fact.limit:g} s"
-            parts.append(one.explained(late))
+    for source in blamed:
+        if source.age == UNKNOWN_AGE:
+            parts.append(f"{source.topic} was latched, its age is not known")
+        elif source.age is not None:
+            late = f"{source.topic} is late, {source.age:.3g} s old, the limit is {fact.limit:g} s"
+            parts.append(source.explained(late))
     return ", ".join(parts) or fact.reason
 
 
-def standing_text(one: Standing, inputs: Mapping[str, InputFact]) -> str:
+def standing_text(standing: Standing, inputs: Mapping[str, InputFact]) -> str:
     """Return ``active``, or ``inactive`` with the reason in one line."""
-    parts = [one.reason] if one.reason else []
-    for name, why in one.lacks[:_NAMED]:
+    parts = [standing.reason] if standing.reason else []
+    for name, why in standing.lacks[:_NAMED]:
         fact = inputs.get(name)
         late = "" if fact is None or fact.state == FRESH else because(fact)
         parts.append(f"{name}: {late or why}")
-    if len(one.lacks) > _NAMED:
-        parts.append(f"and {len(one.lacks) - _NAMED} more inputs")
+    if len(standing.lacks) > _NAMED:
+        parts.append(f"and {len(standing.lacks) - _NAMED} more inputs")
     reason = f": {'; '.join(parts)}" if parts else ""
-    return f"{'active' if one.active else 'inactive'}{reason}"
+    return f"{'active' if standing.active else 'inactive'}{reason}"
 
 
 def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[tuple[int, str]]:
     wrong = dict(graph.wrong_types)
     for fact in inputs:
         if fact.state != FRESH:
-            mistaken = [one.topic for one in fact.blamed() if one.topic in graph.wrong_types]
+            mistaken = graph.wrong_types.keys() & {source.topic for source in fact.blamed()}
             reason = because(fact)
             why = f"{',' if fact.state == LATCHED else ':'} {reason}" if reason else ""
             blocks = f" (blocks {', '.join(fact.blocks)})" if fact.blocks else ""

@@ -112,7 +112,7 @@ _RULES: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
 
 
 def settings(
-    given: Mapping[str, object],
+    parameters: Mapping[str, object],
     frequency: float,
     startup_grace: float = STARTUP_GRACE_S,
     choices: Mapping[str, Sequence[str]] = {},
@@ -125,7 +125,7 @@ def settings(
     defaults = Settings(frequency, startup_grace=startup_grace)._asdict()
     for name, words in choices.items():
         rules[name], defaults[name] = (" or ".join(words), words.__contains__), words[0]
-    values: dict[str, Any] = {name: given.get(name, defaults[name]) for name in rules}
+    values: dict[str, Any] = {name: parameters.get(name, defaults[name]) for name in rules}
     wrong = [
         f"parameter ~{name}: {text} expected, got {values[name]!r}"
         for name, (text, fits) in rules.items()

@@ -112,8 +112,8 @@ class Receipts:
     def dropped(self) -> str:
         """Return how many messages were dropped because too many came in one period, in words."""
         with self._lock:
-            found = self._dropped.items()
-            return "; ".join(f"{count} messages of {name} were dropped" for name, count in found)
+            counts = self._dropped.items()
+            return "; ".join(f"{count} messages of {name} were dropped" for name, count in counts)
 
 
 _QUIET_S = 1.0  # without a message for so long, the graph is asked why
@@ -143,8 +143,8 @@ class Silence:
         """Return each source without a recent message, and the seconds since its last one."""
         now = time.monotonic()
         ages = {name: now - receipt.at for name, receipt in receipts.items()}
-        quiet = [one for one in self._sources if not ages.get(one.id, math.inf) <= _QUIET_S]
-        return [(one, ages.get(one.id)) for one in quiet]
+        pairs = [(source, ages.get(source.id)) for source in self._sources]
+        return [(source, age) for source, age in pairs if age is None or not age <= _QUIET_S]
 
     def explained(self, topics: Iterable[Topic], published: Collection[str]) -> GraphFact:
         """Return why nothing usable comes from topics without a recent message."""
@@ -217,9 +217,9 @@ class Converter:
             )
         built = cls()
         for field, kind in kinds.items():
-            given = fields[field]
-            exact = type(given) is _EXACT.get(kind)  # as nearly all are
-            setattr(built, field, given if exact else self._value(name, field, kind, given))
+            value = fields[field]
+            exact = type(value) is _EXACT.get(kind)  # as nearly all are
+            setattr(built, field, value if exact else self._value(name, field, kind, value))
         if has_header:
             built.header.stamp = self._stamp()
         return built
@@ -250,22 +250,22 @@ class Converter:
 
     def _value(self, message: str, field: str, kind: str, value: object) -> object:
         if kind.endswith("]"):
-            one, _, length = kind[:-1].partition("[")
+            item_kind, _, length = kind[:-1].partition("[")
             if isinstance(value, (list, tuple)) and (not length or len(value) == int(length)):
-                return [self._value(message, field, one, item) for item in value]
+                return [self._value(message, field, item_kind, item) for item in value]
         elif kind == "byte":  # in a diagnostic status only, where the transport knows its type
             return value
         elif kind in _EXACT or kind in _WHOLE or kind in _FLOATS:
-            found = _scalar(kind, value)
-            if found is not None:
-                return found
+            scalar = _scalar(kind, value)
+            if scalar is not None:
+                return scalar
         elif isinstance(value, tuple) and len(value) == 2:
             built = self.message(value)
             if self.type_name(built) == kind:
                 return built
         expected = "str" if kind == "string" else kind
-        given = f"{type(value).__name__} {value!r}"
-        shown = given if len(given) <= 80 else given[:77] + "..."
+        text = f"{type(value).__name__} {value!r}"
+        shown = text if len(text) <= 80 else text[:77] + "..."
         raise MessageError(f"{message}.{field}: {expected} expected, got {shown}")
 
 
@@ -317,9 +317,9 @@ class Publications:
     def publish(self, message: object, of: str = "") -> None:
         """Publish on every topic of the result, or ``of`` a message beside it."""
         for channel, publish in self._topics.get(of, ()):
-            for one in each(message):
-                if channel.only in (None, getattr(one, "id", None)):
-                    publish(picked(one, channel))
+            for part in each(message):
+                if channel.only in (None, getattr(part, "id", None)):
+                    publish(picked(part, channel))
 
 
 def channels(outputs: Iterable[Output]) -> Iterator[Output]:
@@ -350,8 +350,8 @@ def check_outputs(
     for channel in channels(outputs):
         of = channel.of
         built = converter.beside(monitor, of) if of else converter.messages(result)
-        for one in each(built):
-            sent = picked(one, channel)
+        for part in each(built):
+            sent = picked(part, channel)
             if not isinstance(sent, channel.type):
                 types = map(converter.type_name, (channel.type, sent))
                 text = "{} carries {}, the monitor makes {}"

@@ -11,19 +11,16 @@ _LARGEST_STRESS = 1e300
 
 
 class Processor(Component):
-    """Cumulative exposure, of which the law of Weibull makes a hazard.
-
-    ``mean`` and ``age`` in hours at reference conditions; ``load``: id of its input and its limit.
-    """
+    """Cumulative exposure, of which the law of Weibull makes a hazard."""
 
     def __init__(
         self,
-        mean: float,
+        mean: float,  # hours to failure at reference conditions
         shape: float,
         heat: Arrhenius,
         temperature: str,
-        load: tuple[str, float] | None = None,
-        age: float = 0.0,
+        load: tuple[str, float] | None = None,  # id of its input, and its limit
+        age: float = 0.0,  # hours at reference conditions
     ) -> None:
         self._mean, self._shape, self._age = mean, shape, age
         self._scale = mean / math.gamma(1.0 + 1.0 / shape)

@@ -21,20 +21,16 @@ class Rows:
 
 
 class Propulsion(Component):
-    """The statuses leave one state, or several where one is not known: the worst counts.
-
-    ``chain``: what lies ahead of each of the ``sets`` of failed motors, and of the loss of the
-    frame behind them; ``inputs``: of each motor, with the position in a list.
-    """
+    """The statuses leave one state, or several where one is not known: the worst counts."""
 
     _last: tuple[Any, ...] | None
     """Statuses that ask for no further look."""
 
     def __init__(
         self,
-        chain: Rows | Chain,
-        sets: tuple[tuple[int, ...], ...],
-        inputs: tuple[tuple[str, int | None], ...],
+        chain: Rows | Chain,  # what lies ahead of each set, and last of the loss of the frame
+        sets: tuple[tuple[int, ...], ...],  # of failed motors
+        inputs: tuple[tuple[str, int | None], ...],  # of each motor, with its place in a list
         *,
         repair: bool = False,
     ) -> None:

@@ -103,9 +103,9 @@ class Reader:
 
 def participant_of(domain: int, qos: Qos | None = None) -> Any:
     """Return a new participant; ``CYCLONEDDS_URI`` has the last word on its network."""
-    given = os.environ.get("CYCLONEDDS_URI", "")
-    if not given.startswith(_BY_NAME):
-        os.environ["CYCLONEDDS_URI"] = f"{_BY_NAME},{given}".rstrip(",")
+    configured = os.environ.get("CYCLONEDDS_URI", "")
+    if not configured.startswith(_BY_NAME):
+        os.environ["CYCLONEDDS_URI"] = f"{_BY_NAME},{configured}".rstrip(",")
     return DomainParticipant(domain, qos)
 
 
@@ -201,10 +201,11 @@ class Graph:
                 return []
             self._known.take(_MANY, self._gone)  # else the dead are kept, and look like the living
             seen = self._known.read(_MANY)
-        alive = [one for one in seen if one.sample_info.instance_state == core.InstanceState.Alive]
-        names = [one.topic_name[len(_PREFIX) :] for one in alive]
-        pairs = [(one, name) for one, name in zip(alive, names) if name.startswith("/")]
-        return [Publication(name, one.type_name, _deadline(one.qos)) for one, name in pairs]
+        living = core.InstanceState.Alive
+        alive = [writer for writer in seen if writer.sample_info.instance_state == living]
+        names = [writer.topic_name[len(_PREFIX) :] for writer in alive]
+        pairs = [(writer, name) for writer, name in zip(alive, names) if name.startswith("/")]
+        return [Publication(name, of.type_name, _deadline(of.qos)) for of, name in pairs]
 
     def listening(self, topic: str) -> tuple[bool, bool, str]:
         """Return whether a publication is listened to, whether it lives, and what is unfit."""
@@ -257,15 +258,15 @@ def discovery_types(gid_bytes: int) -> SimpleNamespace:
     )
 
 
-def reading(given: Mapping[str, Any], depth: int) -> Qos:
+def reading(requested: Mapping[str, Any], depth: int) -> Qos:
     """Return how evidence is read, of every publication: see :func:`reading_qos`."""
     cdr = Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False)
-    return _qos(reading_qos(given, depth), cdr)
+    return _qos(reading_qos(requested, depth), cdr)
 
 
-def writing(given: Mapping[str, Any], depth: int) -> Qos:
+def writing(requested: Mapping[str, Any], depth: int) -> Qos:
     """Return how results are written: see :func:`writing_qos`."""
-    return _qos(writing_qos(given, depth), Policy.WriterDataLifecycle(autodispose=False))
+    return _qos(writing_qos(requested, depth), Policy.WriterDataLifecycle(autodispose=False))
 
 
 def told(cls: Any, qos: Qos) -> Qos:

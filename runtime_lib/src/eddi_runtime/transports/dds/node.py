@@ -52,8 +52,8 @@ def arguments(words: Sequence[str], name: str) -> Arguments:
     remaps: dict[str, str] = {}
     parameters: dict[str, Parameter] = {}
     for option, assignment in _pairs(words):
-        key, found, value = assignment.partition(":=")
-        if not found:
+        key, separator, value = assignment.partition(":=")
+        if not separator:
             raise StartError(f"{option} {assignment}: NAME:=VALUE is expected")
         if option in ("-p", "--param"):
             parameters[key] = _scalar(value)
@@ -65,7 +65,7 @@ def arguments(words: Sequence[str], name: str) -> Arguments:
         raise StartError(f"{name!r} is no name for a node")
     if namespace != "/" and not _TOPIC.fullmatch(namespace):
         raise StartError(f"{namespace!r} is no namespace")
-    for topic in (one for pair in remaps.items() for one in pair):
+    for topic in (topic for pair in remaps.items() for topic in pair):
         if not _TOPIC.fullmatch(topic):
             raise StartError(f"{topic!r} is no name of a topic")
     plain = Arguments(name, namespace, {}, parameters)
@@ -75,14 +75,14 @@ def arguments(words: Sequence[str], name: str) -> Arguments:
 
 def _pairs(words: Sequence[str]) -> list[list[str]]:
     """Return option and value of all between ``--ros-args`` and ``--``."""
-    given = [*words, "--ros-args"]
-    begin = given.index("--ros-args")
-    for word in given[:begin]:
+    options = [*words, "--ros-args"]
+    begin = options.index("--ros-args")
+    for word in options[:begin]:
         if word.startswith("-"):  # such as --help, or -p: to ignore it would be to start otherwise
             raise StartError(f"{word}: --ros-args -r NAME:=NAME -p NAME:=VALUE is expected")
-    given = [*given[begin + 1 : -1], "--"]
-    given = given[: given.index("--")]
-    pairs = [given[k : k + 2] for k in range(0, len(given), 2)]
+    options = [*options[begin + 1 : -1], "--"]
+    options = options[: options.index("--")]
+    pairs = [options[k : k + 2] for k in range(0, len(options), 2)]
     for pair in pairs:
         if pair[0] not in ("-p", "--param", "-r", "--remap") or len(pair) < 2:
             raise StartError(f"{' '.join(pair)}: -r NAME:=NAME or -p NAME:=VALUE is expected")
@@ -117,19 +117,19 @@ class MonitorNode(Node):
     _graph: Graph  # that ``run`` joins
 
     def __init__(
-        self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings, given: Arguments
+        self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings, words: Arguments
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
-        self._given = given
+        self._words = words
         self._unreadable: dict[str, float] = {}
-        self._clock: int | None = 0 if self._given.parameters.get("use_sim_time") is True else None
+        self._clock: int | None = 0 if self._words.parameters.get("use_sim_time") is True else None
 
     def topics(self) -> dict[str, str]:
-        return {source.id: self._given.topic(source.topic) for source in self._sources}
+        return {source.id: self._words.topic(source.topic) for source in self._sources}
 
     def advertise(self, channel: Output) -> Publish:
         qos = writing(channel.qos, self.options.queue_size)
-        return self._graph.writer(self._given.topic(channel.topic), channel.type, qos)
+        return self._graph.writer(self._words.topic(channel.topic), channel.type, qos)
 
     def subscribe(self, source: Input) -> None:
         def receive(message: Any, kept: bool) -> None:
@@ -139,7 +139,7 @@ class MonitorNode(Node):
                 self._receipts.receive(source.id, message, _age(message) if kept else 0.0)
 
         qos = reading(source.qos, source.waiting(_DEPTH))
-        self._graph.reader(self._given.topic(source.topic), source.type, receive, qos)
+        self._graph.reader(self._words.topic(source.topic), source.type, receive, qos)
 
     def simulated_ns(self) -> int | None:
         return self._clock
@@ -151,11 +151,11 @@ class MonitorNode(Node):
         quiet = self._silence.quiet(self._receipts.latest())
         known = self._graph.publications() if quiet else []
         topics = [self._topic(source, age, known) for source, age in quiet]
-        return self._silence.explained(topics, {one.topic for one in known})
+        return self._silence.explained(topics, {writer.topic for writer in known})
 
     def _topic(self, source: Input, age: float | None, known: Sequence[Publication]) -> Topic:
-        name = self._given.topic(source.topic)
-        found = [one for one in known if one.topic == name]
+        name = self._words.topic(source.topic)
+        own = [writer for writer in known if writer.topic == name]
         unreadable = time.monotonic() - self._unreadable.get(source.id, -math.inf)
         expected = str(source.type.TYPE)
         connected, alive, unfit = self._graph.listening(name)
@@ -166,15 +166,15 @@ class MonitorNode(Node):
             refused=unfit,
             connected=connected,
             alive=alive,
-            deadline=min((one.deadline for one in found if one.deadline), default=None),
+            deadline=min(filter(None, (writer.deadline for writer in own)), default=None),
         )
-        return Topic(name, expected, {ros_type(one.type) for one in found}, age, why)
+        return Topic(name, expected, {ros_type(writer.type) for writer in own}, age, why)
 
     def run(self) -> int:
         domain = domain_id(os.environ.get("ROS_DOMAIN_ID") or "0")
-        given, distro = self._given, self.options.words["ros_distro"]
-        partition = str(given.parameters.get("partition", ""))
-        self._graph = joined = Graph(domain, given.namespace, given.name, distro, partition)
+        words, distro = self._words, self.options.words["ros_distro"]
+        partition = str(words.parameters.get("partition", ""))
+        self._graph = joined = Graph(domain, words.namespace, words.name, distro, partition)
         if self._clock is not None:
 
             def tick(message: Any, _: bool) -> None:
@@ -187,10 +187,10 @@ class MonitorNode(Node):
             signal.signal(number, lambda *_: self.ending.begin())
         style = "[%(levelname)s] [%(created).3f] %(message)s"
         logging.basicConfig(stream=sys.stderr, level=logging.INFO, format=style)
-        log = logging.getLogger(given.full_name.strip("/").replace("/", "."))
+        log = logging.getLogger(words.full_name.strip("/").replace("/", "."))
         LOG.start({"info": log.info, "warn": log.warning, "error": log.error})
         try:
-            self.run_on(given.full_name, self._statuses, joined.start)
+            self.run_on(words.full_name, self._statuses, joined.start)
             self.withdraw()  # the last word
         finally:
             self.ending.begin()
@@ -209,13 +209,13 @@ class MonitorNode(Node):
         """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
         try:
-            given = arguments(sys.argv[1:], cls.NAME)
-            unknown = sorted(given.parameters.keys() - _OWN)
+            words = arguments(sys.argv[1:], cls.NAME)
+            unknown = sorted(words.parameters.keys() - _OWN)
             if unknown:
                 text = f"warning: no parameter is called {', '.join(unknown)}: nothing reads it"
                 write_to_stderr(cls.NAME, text)
-            options = settings(given.parameters, cls.FREQUENCY, cls.STARTUP_GRACE, DISTROS)
-            node = cls(eddi_monitor_class(), eddi_input_class(), options, given)
+            options = settings(words.parameters, cls.FREQUENCY, cls.STARTUP_GRACE, DISTROS)
+            node = cls(eddi_monitor_class(), eddi_input_class(), options, words)
             node.prepare()
             return node.run()
         except REFUSALS as error:

@@ -92,9 +92,10 @@ class Host:
         diagnostics.start()
         nodes: list[Any] = [*self._nodes.values()]
         # the messages of a topic are queued for all monitors if one takes each
-        queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
+        queued = {source.topic for node in nodes for source in node.INPUTS if source.every_message}
         for node in nodes:
-            node.INPUTS = [one._replace(every_message=one.topic in queued) for one in node.INPUTS]
+            pairs = [(source, source.topic in queued) for source in node.INPUTS]
+            node.INPUTS = [source._replace(every_message=every) for source, every in pairs]
         for own_name, node in self._nodes.items():
             threading.current_thread().name = own_name  # in the log
             with self.starting(own_name):

@@ -140,12 +140,13 @@ class MonitorNode(Node):
         return None if rospy.rostime.is_wallclock() else int(rospy.Time.now().to_nsec())
 
     def topics(self) -> Mapping[str, str]:
-        return {name: one.resolved_name for name, one in dict(self._subscribers).items()}
+        known = dict(self._subscribers).items()
+        return {name: subscriber.resolved_name for name, subscriber in known}
 
     def expected_types(self) -> dict[str, tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""
         known = dict(self._subscribers).items()
-        return {one.resolved_name: (name, str(one.type)) for name, one in known}
+        return {own.resolved_name: (name, str(own.type)) for name, own in known}
 
     def graph(self) -> GraphFact:  # a master also lists a publisher that was killed
         watchdog, receipts, wrong = self._watchdog, self._receipts.latest(), {}

@@ -97,9 +97,9 @@ _POLL_S = 0.2
 
 def node_name(name: str) -> str:
     """Return the full node name after ``__name``, ``__ns`` and ROS_NAMESPACE."""
-    given = rospy.names.get_mappings().get("__name", name)
+    remapped = rospy.names.get_mappings().get("__name", name)
     # The same call as in rospy.init_node, which has not run yet.
-    return str(rosgraph.names.resolve_name(given, rospy.names.get_caller_id()))
+    return str(rosgraph.names.resolve_name(remapped, rospy.names.get_caller_id()))
 
 
 def wait_for_master(node: str) -> Peer:
@@ -137,12 +137,12 @@ def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
         held = master.call("getParam", node)
     except (Refused, Unreachable):
         held = {}
-    given: dict[str, object] = dict(held) if isinstance(held, dict) else {}
+    parameters: dict[str, object] = dict(held) if isinstance(held, dict) else {}
     try:
-        given.update(rospy.client.load_command_line_node_params(list(sys.argv)))
+        parameters.update(rospy.client.load_command_line_node_params(list(sys.argv)))
     except rospy.ROSInitException as error:
         raise StartError(str(error)) from error
-    return settings(given, frequency, startup_grace, ON_MASTER_LOSS)
+    return settings(parameters, frequency, startup_grace, ON_MASTER_LOSS)
 
 
 class RosEnding(Ending):

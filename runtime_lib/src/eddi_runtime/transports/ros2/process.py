@@ -54,10 +54,10 @@ def declared_settings(node: Any, frequency: float, startup_grace: float) -> Sett
         ("robot", "", robot, {}),
         ("queue_size", 1, queue, whole),
     ]
-    given = {
+    values = {
         name: declared(node, name, default, text, **more) for name, default, text, more in rows
     }
-    return settings(given, frequency, startup_grace)
+    return settings(values, frequency, startup_grace)
 
 
 def declared(node: Any, name: str, default: object, meaning: str, **ranges: Any) -> Any:
