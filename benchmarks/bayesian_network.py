@@ -39,7 +39,7 @@ from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions  # noqa:
 from eddi_scaffold.program.input_expressions import BoundInput  # noqa: E402
 from eddi_scaffold.program.monitor_text import Declaration  # noqa: E402
 from eddi_scaffold.program.running import module_of  # noqa: E402
-from runtime_lib.tests.compiled_models import text_of  # noqa: E402
+from runtime_lib.tests.bound_models import text_of  # noqa: E402
 
 CRITICAL = [0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.5, 0.5, 0.25, 0.75, 0.1, 0.9]
 CRITICAL += [0.7, 0.3, 0.4, 0.6, 0.2, 0.8, 0.9, 0.1, 0.65, 0.35, 0.45, 0.55]

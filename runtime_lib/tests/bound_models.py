@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import ModuleType
 from typing import Any, NamedTuple
 
 from eddi_scaffold.common.files import Source
@@ -50,3 +51,11 @@ def bound_model(
     keys = {"data": data} if options is None else {"data": data, "options": options}
     model = kinds()[kind].model_class(name, source, place or Place(source.name), **keys)
     return BoundModel(model, Declaration(name, DIGEST, tuple(inputs)))
+
+
+def text_of(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> str:
+    return module_text(kind, compiled, declaration.model_id)
+
+
+def loaded(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> ModuleType:
+    return module_of(text_of(kind, compiled, declaration), declaration.model_id)

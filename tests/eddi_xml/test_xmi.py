@@ -12,7 +12,6 @@ from tests.eddi_xml.eddi_texts import ROVER, codes, read, texts
 BOM = b"\xef\xbb\xbf"
 
 
-DECLARATION = "the XML declaration must be the first thing in the file"
 CUT_OFF = "the file is cut off: the end tag of the first element is missing"
 MISMATCH = "Opening and ending tag mismatch: "
 START = "Start tag expected, '<' not found"

@@ -3,6 +3,9 @@
 import subprocess
 import sys
 
+HOSTILE = ['"""', "\\", "\n", "__import__('os')", "class", "self", "é", "\ud800", "x" * 500, "#"]
+"""Names that want to be code."""
+
 
 def objections(text: str) -> str:
     """Return what they print, empty when both agree."""

@@ -26,7 +26,7 @@ from eddi_scaffold.kinds.bayesian_network.network import Network, Node, Numbered
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Threshold
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
-from runtime_lib.tests.compiled_models import loaded, text_of
+from runtime_lib.tests.bound_models import loaded, text_of
 
 
 def node(name, states, parents=(), table=()):

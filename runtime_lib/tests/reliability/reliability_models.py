@@ -34,7 +34,7 @@ from eddi_scaffold.kinds.reliability.lowering import (
 from eddi_scaffold.kinds.reliability.system import ReliabilitySystem, Threshold
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
-from runtime_lib.tests.compiled_models import loaded, text_of
+from runtime_lib.tests.bound_models import loaded, text_of
 
 NS = 1_000_000_000
 

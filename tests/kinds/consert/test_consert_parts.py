@@ -20,7 +20,7 @@ from eddi_scaffold.kinds.consert.options import ConSertOptions, with_default_gua
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from runtime_lib.tests.conserts import categorical, consert, give, numeric
 from tests.kinds.consert.example import ROVER, read
-from tests.program.formatting import objections
+from tests.program.formatting import HOSTILE, objections
 
 
 def test_the_reserved_words_hold_those_of_this_python():
@@ -154,21 +154,6 @@ def test_a_mark_is_of_one_guarantee_though_names_have_slashes():
     assert [node.default for one in marked for node in one.guarantees] == [False, True]
     _, problems = with_default_guarantees(marked, ["a/b/c"], "m")
     assert [problem.case for problem in problems] == ["C008.several"]
-
-
-HOSTILE = [
-    '"""',
-    "\\",
-    "\n",
-    "__import__('os')",
-    "a b",
-    "class",
-    "self",
-    "é",
-    "\ud800",
-    "x" * 500,
-    "#",
-]
 
 
 def large(**settings):

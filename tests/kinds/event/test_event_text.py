@@ -13,8 +13,7 @@ from runtime_lib.tests.bound_models import bound_input
 from runtime_lib.tests.event.event_models import SECOND, events, form, monitor
 from tests.conditions import test_lists
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
-from tests.kinds.consert.test_consert_parts import HOSTILE
-from tests.program.formatting import objections
+from tests.program.formatting import HOSTILE, objections
 
 LONG = "a_name_of_more_than_twenty_four_characters"
 

@@ -14,7 +14,7 @@ from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import Declaration
-from runtime_lib.tests.compiled_models import loaded
+from runtime_lib.tests.bound_models import loaded
 
 
 def compiled(model: Model) -> Reliability:

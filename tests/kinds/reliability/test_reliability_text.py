@@ -21,13 +21,12 @@ from runtime_lib.tests.reliability.reliability_models import (
     tree,
 )
 from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY, CPU, UNITS
-from tests.program.formatting import objections
+from tests.program.formatting import HOSTILE, objections
 
 ARCS = [[i, j, 0.1 / (1 + i + 2 * j)] for i in range(8) for j in range(8) if i != j]
 DENSE = chain(ARCS, 8, [7], observe=[[0, "new", False], [7, "ok", True]])
 LARGE = {**chain([[i, i + 1, 0.5] for i in range(11)], 12, [11], age=2.0), "name": "large"}
 GO = {"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.5}
-HOSTILE = ['"""', "\\", "\n", "__import__('os')", "class", "self", "é", "\ud800", "x" * 500, "#"]
 
 
 def whole(**options: Any) -> Model:
