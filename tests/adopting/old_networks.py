@@ -47,12 +47,7 @@ _INPUTS = (
     ("fire", "Bool", "True", "station/fire"),
     ("distance", "Float32", "10.0", "distance"),
 )
-LICENCE = """##### BEGIN LICENSE BLOCK #####
-#
-# Copyright (C) 2021 An institute
-#
-##### END LICENSE BLOCK #####
-"""
+LICENCE = data_text("adopting/licence.txt")
 
 
 def config_text() -> str:

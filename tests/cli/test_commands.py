@@ -13,7 +13,6 @@ import pytest
 
 from eddi_scaffold import __version__, cli
 from eddi_scaffold.cli.console import ExitStatus
-from eddi_scaffold.cli.learning import described
 from tests.cli.command import ROOT, Result, edit, example, files_below, run
 from tests.diagnosed import assert_reported
 
@@ -101,17 +100,6 @@ def test_wrong_usage(words: list[str], said: str, tmp_path: Path) -> None:
 # data, words, JSON
 
 
-def test_an_example_is_a_place_to_start_from(tmp_path: Path) -> None:
-    result = run("example", "two-conserts", "demo", cwd=tmp_path)
-    assert result.status == 0
-    assert result.out.splitlines() == [f"demo/{name}" for name in files_below(tmp_path / "demo")]
-    assert result.err == "next: read demo/README.md\n"
-    lines = [
-        line.split(maxsplit=1) for line in run("example", "list", cwd=tmp_path).out.splitlines()
-    ]
-    assert [name for name, _ in lines] == list(described())
-
-
 def test_an_example_links_only_to_what_is_written_with_it() -> None:
     for readme in (ROOT / "examples").glob("*/README.md"):
         for link in re.findall(r"\]\(([^)]*)\)", readme.read_text("utf-8")):
@@ -155,15 +143,6 @@ def test_json_is_ascii_so_that_every_terminal_can_hold_it(folder: Path) -> None:
         "check", "nöthere.xml", "--json", cwd=folder, env={"PYTHONIOENCODING": "ascii"}
     )
     assert json.loads(result.out)["problems"][0]["file"] == "nöthere.xml"
-
-
-def test_answers_say_the_command_that_uses_them(folder: Path) -> None:
-    result = run("answers", "-m", MODEL, "-c", CONFIG, "-o", "a b.yml", cwd=folder)
-    assert (result.status, result.out) == (0, "")
-    assert "--data-file 'a b.yml'" in result.err
-    assert result.err.endswith(" src/eddi_monitor/conserta\n")
-    many = run("answers", "-m", MODEL, "-c", CONFIG, "-o", "all", "--all", cwd=folder)
-    assert many.err.count("copier copy") == len([*(folder / "all").glob("*.yml")]) == 5
 
 
 # packages

@@ -8,12 +8,7 @@ from tests.cli.command import run
 from tests.data_files import data_text
 
 MODEL = data_text("cli/hints.yml")
-CONFIG = """Model: {id: cart, type: ConSert, frequency: 10, parameters: [{model: cart.yml}]}
-SimulatorOutputs: [{id: battery, type: sensor_msgs.BatteryState, topic: battery}]
-EDDIInputs:
-  - {id: Charge, type: float, requires: [battery], field: percentage, unit: fraction, max_age: 5}
-EDDIOutputs: [{id: cart, topic: cart/guarantees}]
-"""
+CONFIG = data_text("cli/hints_config.yml")
 
 
 @pytest.fixture

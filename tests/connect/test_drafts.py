@@ -16,6 +16,7 @@ from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.topics import InputNeed, RobotTopic, TopicField, leaves
 from eddi_scaffold.yaml_text.nodes import Items, Map, read_map
 from tests.cli.command import ROOT, Result, files_below, run
+from tests.data_files import data_text
 from tests.hostile_texts import HOSTILE
 
 TYPES = {
@@ -57,20 +58,7 @@ def content(text: str) -> Map:
 
 
 def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
-    mine = (
-        "# mine\r\nModel: {id: Rover, type: ConSert}   # also mine\r\n"
-        "EDDIInputs:\r\n"
-        "- id: WayIsClear\r\n"
-        "  # connect: 2 candidates, take one\r\n"
-        "  # my reason\r\n"
-        "  expression: NOT blocked.data  # mine\r\n"
-        "  max_age: TODO  # TODO seconds\r\n"
-        "\r\n"
-        "- id: Charge\r\n"
-        "  expression: TODO\r\n"
-        "  max_age: 5   # measured\r\n"
-        "EDDIOutputs: [{id: out, topic: my/topic}]\r\n"
-    )
+    mine = data_text("connect/decided_by_a_person.yml")
     after = written(mine, draft([WAY, POWER, InputNeed("Speed", "float")], [CLEAR, CHARGE]))
     kept = [line for line in mine.splitlines(keepends=True) if "# connect:" not in line]
     now = after.splitlines(keepends=True)
@@ -94,19 +82,7 @@ def test_each_spelling_of_what_is_drafted_stays(mine: str) -> None:
 
 
 def test_comments_of_a_person_behind_what_is_open_stay() -> None:
-    mine = (
-        "Model: {id: Rover, type: ConSert}\nEDDIInputs:  # one\n"
-        "- id: WayIsClear\n"
-        "  requires: TODO  # TODO ask two\n"
-        "  # three\n"
-        "  field:  # four\n"
-        "    TODO  # five\n"
-        "  max_age: TODO  # TODO seconds six\n"
-        "- id: Speed\n"
-        "  expression: TODO  # seven\n"
-        "  note: |\n"
-        "    # connect: eight\n"
-    )
+    mine = data_text("connect/comments_of_a_person.yml")
     after = written(mine, draft([WAY, InputNeed("Speed", "float")], [CLEAR]))
     words = ("one", "two", "three", "four", "five", "six", "seven", "eight")
     assert [word for word in words if after.count(word) != 1] == []
@@ -259,12 +235,7 @@ def test_a_topic_of_another_monitor_is_added_once(tmp_path: Path) -> None:
     assert run(*words, "-o", "a.yml", cwd=tmp_path).err.endswith("a.yml is up to date\n")
 
 
-SCANNERS = """connect: {synonyms: [[rotor, propeller]]}
-SimulatorOutputs:
-- {id: front, type: sensor_msgs/LaserScan, topic: /front/scan}
-- {id: rear, type: sensor_msgs/LaserScan, topic: /rear/scan}
-- {id: spins, type: std_msgs/Bool, topic: /drive/propeller}
-"""
+SCANNERS = data_text("connect/scanners.yml")
 
 
 def test_comments_of_variables_and_synonyms_of_a_robot_are_read(tmp_path: Path) -> None:

@@ -127,12 +127,7 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
 
 
 OTHER = "they are not of one dimension"
-UNITS = """\
-  - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}
-  - {id: battery, type: sensor_msgs.BatteryState, topic: /battery, max_age: 1}
-  - {id: joints, type: sensor_msgs.JointState, topic: /joints, max_age: 1}
-  - {id: imu, type: sensor_msgs.Imu, topic: /imu, max_age: 1}
-"""
+UNITS = data_text("monitors/units.yml")
 
 
 def said(entry: str, uom: str = "m") -> list[tuple[str, str, str | None]]:

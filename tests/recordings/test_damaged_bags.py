@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import ROOT, Result, run
+from tests.data_files import data_text
 
 rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
 
@@ -14,12 +15,7 @@ from rosbags.typesys import Stores, get_typestore  # noqa: E402 - the same
 
 FIELD = ROOT / "tests" / "data" / "oracles" / "field"
 UNUSED, MESSAGES = FIELD / "bag-unused-channel", FIELD / "bag-messages"
-VERDICTS = """\
-     0.000  PathClear unknown
-     0.900  PathClear active
-     3.000  PathClear inactive
-     4.900  PathClear active
-"""
+VERDICTS = data_text("recordings/lidar_verdicts.txt")
 CHANNELS = ("with_json.mcap", "service_event.mcap", "missing_type.bag")
 
 

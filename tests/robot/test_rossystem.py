@@ -14,11 +14,7 @@ from eddi_scaffold.connect.rossystem import Filters, Parsed, parse
 from tests.data_files import data_text
 
 SYSTEM = data_text("robot/robot.rossystem")
-MAST = """mast:
-  nodes:
-    camera:
-      from: "camera.usb"
-"""
+MAST = data_text("robot/mast.rossystem")
 LASER = data_text("robot/laser.ros2")
 OTHERS = data_text("robot/others.ros2")
 IDS = ["image", "scan", "ticks", "load"]
