@@ -117,7 +117,7 @@ def test_another_input_may_be_named() -> None:
         ("expression: battery.present > 2", "E007", 7, 17, ""),
         ("expression: motor.data > 2\n    requires: [battery]", "K003", 8, 5, "`requires`"),
         ("expression: motor.data > 2\n    field: data", "K003", 8, 12, "`field:`"),
-        ("states: {High: motor.data > 2}", "K003", 7, 5, "give `expression:`"),
+        ("states: {High: motor.data > 2}", "K003", 7, 5, "give `from:`"),
         ("event: hot", "K003", 7, 12, "no `expression_file:`"),
         ("expression: MotorIsCool", "E008", 7, 17, "the input 'MotorIsCool' stands below"),
         ("expression: >-\n      battery.present\n      AND batery.present", "E008", 9, 11, ""),
@@ -193,7 +193,7 @@ HOT = "EVENT hot (HAZARD) := "
         (["event: hot"], f"\n{HOT}motor.data >", "safety.events:2:35 E001", "end of the text"),
         ([], "// a number\nmotor.data", "safety.events:2:1 E007", "the input needs a boolean"),
         (["event: cool", "polarity: EVIDENCE"], SAFETY, "c.yml:11:15 K003", "declares HAZARD"),
-        (["event: hot", "expression: motor.data > 80"], SAFETY, "c.yml:9:22 K003", "`expression:`"),
+        (["event: hot", "expression: motor.data > 80"], SAFETY, "c.yml:9:22 K003", "`from:`"),
         (["event: hot", "field: data"], SAFETY, "c.yml:11:12 K003", "`field:` and `expression_f"),
     ],
 )
