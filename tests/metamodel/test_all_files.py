@@ -146,9 +146,9 @@ def test_what_the_condition_reads_is_the_first_candidate(tmp_path: Path) -> None
     assert lines[first] == (
         "# connect: the EDDI names the event battery above 30 % (battery.percentage > 0.3)"
     )
-    assert 'expression: "bat.percentage == TODO"' in lines[first + 2]
-    assert "expression: fit.data" in lines[first + 3]
-    assert lines[first + 4].startswith("expression: TODO")
+    assert 'from: "bat.percentage == TODO"' in lines[first + 2]
+    assert "from: fit.data" in lines[first + 3]
+    assert lines[first + 4].startswith("from: TODO")
 
 
 def test_the_event_of_another_monitor_is_taken(tmp_path: Path) -> None:

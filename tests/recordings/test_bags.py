@@ -279,7 +279,7 @@ def test_a_bag_gives_the_age_limits_of_a_draft(folder: Path) -> None:
     text = config.read_text("utf-8")
     config.write_text(text.replace("max_age: 2.0 ", "max_age: TODO "), "utf-8")
     assert run(*words, "--bag", "a.bag", cwd=folder).status == 0
-    assert "    max_age: 0.36  # 4 messages of a.bag\n" in config.read_text("utf-8")
+    assert "    max_age: 0.36 s  # 4 messages of a.bag\n" in config.read_text("utf-8")
     before = config.read_bytes()
     (folder / "a.bag").write_bytes(b"#ROSBAG V2.0\nno bag")
     assert run(*words, "--bag", "a.bag", cwd=folder).status == 2
@@ -297,8 +297,8 @@ def test_the_topics_of_a_bag_are_candidates(tmp_path: Path) -> None:
     words = ("connect", "low.events", "--bag", "a.bag", "-o", "c.yml")
     assert run(*words, cwd=tmp_path).status == 0
     first = (tmp_path / "c.yml").read_text()
-    topic = "  - id: battery\n    type: my_msgs.Charge\n    topic: /battery\nEDDIInputs:\n"
+    topic = "  - id: battery\n    type: my_msgs/Charge\n    topic: /battery\nEDDIInputs:\n"
     assert f"SimulatorOutputs:\n{topic}" in first  # and what a monitor said is no topic of a robot
-    assert "    requires: [battery]\n    field: level\n    max_age: 0.25  # 9 messages" in first
+    assert "    from: battery.level\n    max_age: 0.25 s  # 9 messages" in first
     assert run(*words, cwd=tmp_path).status == 0
     assert (tmp_path / "c.yml").read_text() == first

@@ -18,7 +18,7 @@ from eddi_scaffold.deployments.fleet import (
 )
 from eddi_scaffold.deployments.fleet_checks import diagram, sites_of
 from eddi_scaffold.diagrams.svg import drawn
-from eddi_scaffold.monitors.config_reading import read_config
+from eddi_scaffold.monitors.config_reading import read_file
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.platforms import MeetingPlace
 from eddi_scaffold.yaml_text.nodes import read_map
@@ -335,7 +335,7 @@ def test_an_override_counts_with_its_own_place() -> None:
         "EDDIOutputs: [{id: o, topic: o}]\n"
     )
     override, _ = read_map(Source("other.yml", other.encode()), "K001")
-    config, problems = read_config(Source("a.yml", text.encode()), override=override)
+    (config,), problems = read_file(Source("a.yml", text.encode()), override=override)
     assert problems == []
     assert config is not None
     assert config.config.Model.frequency == 5

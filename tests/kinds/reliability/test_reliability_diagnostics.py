@@ -137,7 +137,7 @@ def test_no_threshold_trusts_a_tree_with_an_open_port(tmp_path: Path) -> None:
     )
 
 
-THRESHOLD = "- {id: RtE_continue, activate: 1.0e-4, release: 2.0e-4, hold: 1 s"
+THRESHOLD = "- {id: RtE_continue, at_most: 1.0e-4, release: 2.0e-4, hold: 1 s"
 
 
 def answers(folder: Path, topic: str) -> tuple[Any, list[str]]:
