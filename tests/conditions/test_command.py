@@ -158,10 +158,10 @@ def folder(tmp_path: Path) -> Path:
     example = ROOT / "examples" / "rover-events"
     shutil.copy(example / "Rover.yml", tmp_path)
     text = (example / "eddi_config.yml").read_text("utf-8")
-    inline = 'expression: "NOT ONCE(motor.data > 80, 2s)"'
+    inline = "from: NOT ONCE(motor.data > 80, 2 s)"
     assert inline in text
     text = text.replace(inline, "expression_file: safety.events\n    event: cool")
-    text = text.replace("AVERAGE(battery.percentage, 1s)", "battery.percentage")
+    text = text.replace("AVERAGE(battery.percentage, 1 s)", "battery.percentage")
     (tmp_path / "eddi_config.yml").write_text(text, "utf-8")
     (tmp_path / "safety.events").write_text(EVENTS, "utf-8")
     return tmp_path

@@ -278,7 +278,7 @@ def _drafted(topics: Sequence[RobotTopic], name: str) -> Draft:
     needs = [InputNeed("RtE_A_E0", "bool"), InputNeed(name, "float")]
     entries = [entry(one, {}) for one in decide(needs, topics, known_messages().get)]
     options = {"discretisation": {"A": {"bins": TODO}}}
-    return Draft({}, options, {}, entries, [{"id": "a", "topic": "a/b"}])
+    return Draft({}, options, {}, entries)
 
 
 def _shorten(path: Path, lines: int) -> None:

@@ -102,7 +102,7 @@ def test_the_cart_of_the_tutorial(tmp_path: Path) -> None:
     for name in ("cart.yml", "cart_config.yml"):
         block = re.search(rf"<!-- file: {name} -->\n```yaml\n(.*?)```", TUTORIAL, re.DOTALL)
         assert block is not None
-        text = block[1].replace("field: percentage,", "field: percentage, unit: fraction,")
+        text = block[1].replace("battery.percentage,", "battery.percentage, unit: fraction,")
         (tmp_path / name).write_text(text, "utf-8")
     plain = ("generate", "--platform", "plain", "-o", ".", "-c", "cart_config.yml")
     assert run(*plain, cwd=tmp_path).status == 0
