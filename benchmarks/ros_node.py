@@ -7,7 +7,7 @@ at a rate the node of SESAME D7.2 Fig 31, for ``on_change`` a node that answers 
 which is as fast as the transport gets. Both run at once and are asked in turn. Goals on an idle
 machine: ``on_change`` p50 below 1 ms and p95 below 5 ms.
 
-With 50 monitors (20 on DDS), each a process, first all of ours run and are asked one after the
+With 50 monitors (10 on DDS), each a process, first all of ours run and are asked one after the
 other, then as many peers. Ours step and report once a second besides, so that two cores are not
 full of that.
 
@@ -146,7 +146,7 @@ def on_graph(
     quick: bool,
 ) -> list[Row]:
     """Measure nodes of a ROS 2 graph."""
-    count, toggles = (5, 20) if quick else (20, 300)  # each of them has to find each other
+    count, toggles = (5, 20) if quick else (10, 300)  # each of them has to find each other
     alone, crowd = f"{on}, on_change", f"{on}, {count} monitors"
     if reason:
         return unavailable([alone, crowd], reason)
