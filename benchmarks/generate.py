@@ -194,7 +194,7 @@ class Case:
                 name = config.stem.replace("config", "Monitor")
                 words = ("-o", folder, "-m", self.model, "-c", config, "--name", name)
                 self.clone.eddi("-q", "answers", "--all", *words)
-        return sorted(folder.iterdir())
+        return sorted(folder.glob("*.yml"))
 
     def upgrade(self) -> float:
         """Time the whole command on packages of the first version."""
