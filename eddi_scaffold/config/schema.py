@@ -63,7 +63,7 @@ def _number(
         if match is not None and match[2] and match[2] in units:
             value = float(f"{float(match[1]) * units[match[2]]:.15g}")
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise HintedError(f"{what} are expected", _number_hint(value, units))
+            raise HintedError(f"{what} are expected", _number_hint(value))
         if not is_legal(value):  # never true of not-a-number
             raise HintedError(f"{what} are expected", hint)
         return float(value)
@@ -71,17 +71,15 @@ def _number(
     return BeforeValidator(check)
 
 
-def _number_hint(value: object, units: Mapping[str, float]) -> str | None:
+def _number_hint(value: object) -> str | None:
     """Return the hint for a text that a person means as a number."""
     text = value.strip().casefold() if isinstance(value, str) else ""
     if re.fullmatch(r"\d+,\d+", text):
         return f"a decimal point: {text.replace(',', '.')}"
     match = _QUANTITY.fullmatch(text)
-    if match is None or match[2] not in units:
+    if match is None or match[2]:  # with a unit it would have been read
         return None
-    meant = float(f"{float(match[1]) * units[match[2]]:.15g}")
-    shown = dump_plain(meant).strip().removesuffix(".0")
-    return f"without a unit: {shown}" if match[2] else f"write {shown}"
+    return f"write {dump_plain(float(match[1])).strip().removesuffix('.0')}"
 
 
 def text(is_legal: Callable[[str], object], what: str, hint: str | None = None) -> AfterValidator:

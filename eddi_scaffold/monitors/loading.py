@@ -30,6 +30,7 @@ from eddi_scaffold.eddi_xml.links import links_in, links_of
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.kinds import Kind, Model, Options, ReadResult, kinds
 from eddi_scaffold.monitors.config_reading import read_file
+from eddi_scaffold.monitors.spellings import kinds_of_type
 from eddi_scaffold.yaml_text.nodes import read_map
 
 YAML_SUFFIXES = (".yml", ".yaml")
@@ -199,7 +200,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
         EddiError: there is no kind of its type (K010), or no model of its type and id (K026).
     """
     section = config.config.Model
-    of_type = {kind.name for kind in _kinds_of(config)}
+    of_type = {kind.name for kind in kinds_of_type(config.config.Model.type)}
     if not of_type:
         known = ", ".join(kind.config_types[0] for kind in kinds().values())
         place = config.place("Model", "type")
@@ -224,21 +225,11 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
     raise EddiError(problem("K026.no_model", place, hint=hint, kind=section.type, id=section.id))
 
 
-def _kinds_of(config: ConfigFile) -> Sequence[Kind]:
-    """Return the kinds that the ``Model: type:`` of a configuration can mean."""
-    type_ = config.config.Model.type.casefold()
-    return [
-        kind
-        for kind in kinds().values()
-        if type_ in {name.casefold() for name in kind.config_types}
-    ]
-
-
 def candidates(
     config: ConfigFile, models: Sequence[Model], read: Callable[[Path], ReadResult]
 ) -> ReadResult:
     """Return the models among which a configuration chooses: those given, else what it names."""
-    fitting = {kind.name for kind in _kinds_of(config)}
+    fitting = {kind.name for kind in kinds_of_type(config.config.Model.type)}
     if any(model.kind in fitting for model in models):
         return ReadResult(tuple(models), ())
     path = named_model_path(config)

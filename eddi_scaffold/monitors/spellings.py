@@ -105,10 +105,8 @@ def spelt_out(
 ) -> tuple[list[Map], list[Problem]]:
     """Return the configuration of each monitor in a file, from its documents."""
     problems: list[Problem] = []
-    common, own = (
-        Map(()),
-        [joined(_renamed(document, problems), override) for document in documents],
-    )
+    own = [joined(_renamed(document, problems), override) for document in documents]
+    common = Map(())
     if len(own) > 1 and own[0].get("Model") is None:
         common, *own = own
     robot = _Robot(source, own)
@@ -132,6 +130,8 @@ def _renamed(document: Map, problems: list[Problem]) -> Map:
 
 def _with_common(common: Map, document: Map) -> Map:
     """Return a document with what is common to all, of the topics those that it mentions."""
+    if not common.entries:
+        return document
     texts = {scalar.text for scalar in scalars_of(document)}
     words = {word for text in texts for word in re.findall(r"\w+", text)} | texts
     entries = []
@@ -147,7 +147,6 @@ class _Robot:
     def __init__(self, source: Source, documents: Sequence[Map]) -> None:
         self.source = source
         self.problems: list[Problem] = []
-        self.readings = 0  # of claims, so far
         self.clashing: Collection[str | None] = ()  # topics with the id of another monitor
         self.documents: dict[str, Map] = {}
         self.parts: dict[str, Sequence[str]] = {}  # file of a model -> what is published apart
@@ -185,15 +184,13 @@ class _Robot:
         clashing = [key for key in _INSTEAD if entry.get(key) is not None]
         self.problems += [problem("K003.from", place, key=key) for key in clashing]
         names = ["EDDIInputs", _text(entry, "id") or "", "from"]
-        is_open = (
-            [*undecided(node, names)] if text is not None else [problem("K003.from_text", place)]
-        )
-        self.problems += is_open
-        if text is None or is_open:
+        faults = [problem("K003.from_text", place)] if text is None else [*undecided(node, names)]
+        self.problems += faults
+        if text is None or faults:
             others = [pair for pair in entry.entries if pair[0].text != "from"]
             return replace(entry, entries=tuple(others))
         match, new = PATH.fullmatch(text.strip()), dict[str, Node | str | None]()
-        before = self.readings
+        claims: list[str] = []  # that are read
         if match is not None and (match["head"] in topics or match["head"] not in self.documents):
             head, rest = match["head"], match["rest"]
             self._clash(head, node)
@@ -204,6 +201,7 @@ class _Robot:
         elif match is not None:
             reading = self._reading(match["head"], match["rest"].removeprefix("."), node, read)
             if reading is not None:
+                claims.append(match[0])
                 new["requires"] = Items((Scalar(reading[0], plain=False, place=place),), place)
                 new["field"] = Scalar(reading[1], plain=False, place=place)
         else:
@@ -214,11 +212,14 @@ class _Robot:
                     self._clash(name, node)
                     return claim[0]
                 reading = self._reading(name, claim["claim"], node, read)
-                return claim[0] if reading is None else ".".join(reading)
+                if reading is None:
+                    return claim[0]
+                claims.append(claim[0])
+                return ".".join(reading)
 
             written = _BLANK.sub(lambda blank: blank[1] or "", text)
             new["expression"] = Scalar(_CLAIM.sub(spelt, written), plain=False, place=place)
-        if self.readings > before and entry.get("max_age") is None:
+        if claims and entry.get("max_age") is None:
             new["max_age"] = str(MONITOR_AGE)
         entries: list[tuple[Scalar, Node]] = []
         for key, value in entry.entries:
@@ -236,36 +237,31 @@ class _Robot:
         document = self.documents[monitor]
         model = document.get("Model")
         kind = next(iter(kinds_of_type(_text(model, "type"))), None)
-        if kind is None or kind.claim is None or not claim:
-            if kind is not None:
-                hint = f"such as {monitor}.CLAIM"
-                self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
+        if kind is None or kind.claim is None:  # told where its type is read
             return None
-        keys = kind.claim.options
-        if keys and isinstance(model, Map) and not any(items_of(model.get(key)) for key in keys):
-            hint = f"write it below `Model: {keys[0]}:` of {monitor}"
-            self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
-            return None
-        package = package_name(monitor)
+        package, keys = package_name(monitor), kind.claim.options
         parts = self._parts(model, kind) if kind.claim.apart else ()
-        if parts and claim not in parts:
-            hint = did_you_mean(claim, parts) or f"there are: {', '.join(parts)}"
-            self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
-            return None
         outputs = [item for item in items_of(document.get("EDDIOutputs")) if isinstance(item, Map)]
         texts = [{key.text: as_text(value) for key, value in item.entries} for item in outputs]
         texts = texts or [dict(output) for output in default_outputs(package, kind, parts)]
         all_of_it = [text for text in texts if not text.get("field")]
         fitting = [text for text in all_of_it if text.get("event") in {None, claim}]
         topic = next((text["topic"] for text in fitting if text.get("topic")), None)
-        if topic is None:
+        hint = None
+        if not claim:
+            hint = f"such as {monitor}.CLAIM"
+        elif keys and isinstance(model, Map) and not any(items_of(model.get(key)) for key in keys):
+            hint = f"write it below `Model: {keys[0]}:` of {monitor}"
+        elif parts and claim not in parts:
+            hint = did_you_mean(claim, parts) or f"there are: {', '.join(parts)}"
+        elif topic is None:
             hint = "it has no topic in `EDDIOutputs`"
+        if hint is not None or topic is None:
             self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
             return None
         id_ = f"{package}_{claim}" if len(all_of_it) > 1 else package
         type_, topic = f"eddi_messages/{kind.claim.message}", topic + kind.claim.behind
         read.setdefault(id_, _texts(node.place, {"id": id_, "type": type_, "topic": topic}))
-        self.readings += 1
         return id_, kind.claim.field.format(claim)
 
     def _parts(self, model: Node | None, kind: Kind) -> Sequence[str]:

@@ -66,6 +66,7 @@ _SECTIONS = {
     "provides": ("provided service", _form("guarantees", "type")),
 }
 """Key -> what it declares, and the form of that; the first key of a form may stand alone."""
+_NODES = ("evidence", "demands", "gates", "guarantees")  # of these, what has an id in expressions
 _ROOT = _form("guarantees", *_SECTIONS)._replace(
     hints={
         "tree_propagations": "edges follow from the expressions",
@@ -103,7 +104,7 @@ class _Expansion(Reader):
         """Return the full form."""
         self.check_keys(root, "the ConSert", _ROOT)
         of = {key: [*self._declared(root, key)] for key in _SECTIONS}
-        self._ids = {item.id for key in [*_SECTIONS][:4] for item in of[key]}
+        self._ids = {item.id for key in _NODES for item in of[key]}
         similar = SimilarNames(self._ids)
         for item in of["gates"]:
             row = self._row(item, similar)
