@@ -220,7 +220,7 @@ class Log:
     def _put(self, level: str, text: str, *values: object) -> None:
         if self.named:
             text = f"{threading.current_thread().name}: {text}"
-        self._dropped += len(self._lines) == _KEPT
+        self._dropped += len(self._lines) == _KEPT  # one too many where a line is taken just now
         self._lines.append((level, text, values))
         self._waker.wake()
 
