@@ -9,7 +9,7 @@ import yaml
 from eddi_scaffold.packages import assembly
 from eddi_scaffold.platforms import chosen
 from tests.cli.command import run
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 
 DATA = Path(__file__).parents[1] / "data" / "users"
 SPELLINGS = yaml.load((DATA / "spellings.yml").read_text("utf-8"), yaml.CSafeLoader)["cases"]
@@ -67,23 +67,7 @@ def test_the_monitors_of_a_robot_stand_in_one_file(tmp_path):
     assert "fleet" in run("generate", *words[:-1], "flet", cwd=tmp_path).err
 
 
-@pytest.mark.parametrize(
-    ("change", "place", "says"),
-    [
-        (("cart.MayDrive", "cart.MayDriv"), "11:27", "did you mean 'MayDrive'?"),
-        (("from: cart.MayDrive", "from: cart"), "11:27", "such as cart.CLAIM"),
-        (("from: cart.MayDrive", "from: crt.MayDrive"), "11:27", "'crt'"),
-        (("from: cart.MayDrive", "from: cart.MayDrive, field: data"), "11:27", "keep `from:`"),
-        (("from: cart.MayDrive", "from: [cart]"), "11:27", "MONITOR.CLAIM"),
-        (("0.5 s", "0.5 h"), "7:54", "seconds above 0"),
-        (("id: battery", "id: cart"), "11:27", "give one of them another id"),
-        (
-            ("---\nModel: {id: cart", "EDDIInputs: []\n---\nModel: {id: cart"),
-            "4:1",
-            "first document",
-        ),
-    ],
-)
+@tabled
 def test_what_is_wrong_stands_at_its_place(change, place, says, tmp_path):
     done = checked(tmp_path, change)
     assert done.status == 1
