@@ -14,6 +14,7 @@ from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.syntax import canonical
 from eddi_scaffold.program.instructions import Program
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
+from tests.data_files import tabled
 
 KNOWN = {
     "x": Variable("x", NUMBER),
@@ -62,22 +63,7 @@ def constants(text: str) -> list[float]:
     return [row.value for row in program_of(text).operations if row.op == "number"]
 
 
-@pytest.mark.parametrize(
-    ("text", "numbers"),
-    [
-        ("d > 5", [5.0]),
-        ("d > 30 cm", [0.3]),
-        ("2 km < d", [2000.0]),
-        ("d > 5 m + 30 cm", [5.3]),
-        ("e > 5 m + 30 cm", [0.0053]),
-        ("ELAPSED(a) > 2 min", [120.0]),
-        ("HYSTERESIS(d, 30 cm, 1 km)", [0.3, 1000.0]),
-        ("MAX(d, 1s) - MIN(d, 1s) > 50mm", [0.05]),
-        ("d * 2 > 5", [2.0, 5.0]),
-        ("x > 2 * 3 - 1", [5.0]),
-        ("x > -(2)", [-2.0]),
-    ],
-)
+@tabled
 def test_units_and_constants_are_computed_once(text: str, numbers: list[float]) -> None:
     assert constants(text) == pytest.approx(numbers, rel=1e-15)
 

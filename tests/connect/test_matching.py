@@ -5,6 +5,7 @@ import pytest
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.topics import InputNeed, RobotTopic
 from eddi_scaffold.monitors.message_types import known_messages
+from tests.data_files import tabled
 
 ROBOT = {
     "odom": ("nav_msgs/Odometry", "/odom"),
@@ -31,19 +32,8 @@ def decided(need: InputNeed, offers: list[Fulfilment] | None = None) -> Decision
     return decision
 
 
-@pytest.mark.parametrize(
-    ("id_", "type_", "unit", "topic", "key", "text", "given"),
-    [
-        ("Speed", "float", "m/s", "odom", "field", "twist.twist.linear.x", None),
-        ("YawRate", "float", "deg/s", "odom", "field", "twist.twist.angular.z", "rad/s"),
-        ("GripperClosed", "bool", None, "gripper_closed", "field", "data", None),
-        ("BatteryCharge", "float", "percent", "battery", "field", "percentage", "fraction"),
-        ("CameraFeatures", "float[]", None, "features", "field", "data", None),
-    ],
-)
-def test_what_is_clear_is_taken(
-    id_: str, type_: str, unit: str | None, topic: str, key: str, text: str, given: str | None
-) -> None:
+@tabled
+def test_what_is_clear_is_taken(id_, type_, unit, topic, key, text, given):
     decision = decided(InputNeed(id_, type_, unit=unit))  # type: ignore[arg-type]
     best = decision.candidates[0]
     assert (decision.state, best.topic.id, best.access.key) == ("taken", topic, key)

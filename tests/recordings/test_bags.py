@@ -13,7 +13,7 @@ import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from tests.cli.command import example, run
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 from tests.diagnosed import assert_reported
 
 rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
@@ -170,27 +170,8 @@ def battery(folder: Path, declared: str, text: str) -> Any:
     return run("run", "c.yml", "--bag", "a.bag", cwd=folder)
 
 
-@pytest.mark.parametrize(
-    ("declared", "text", "words"),
-    [
-        ("charged: bool, x: int8", "requires: [battery], field: charged", "has no field 'charged'"),
-        (
-            "voltage: float32, charging: bool",
-            'expression: "battery.voltage < 12 AND battery.charging"',
-            "has no field 'voltage'",
-        ),
-        # the only field needs no `field:`
-        ("charged: bool", "requires: [battery]", "no such field for the input low"),
-        (
-            "volts: bool",
-            "requires: [battery], field: volts",
-            "'volts' of robot_msgs/Battery is a float, 'low' a bool",
-        ),
-    ],
-)
-def test_the_definitions_of_the_bag_are_the_ones_that_count(
-    tmp_path: Path, declared: str, text: str, words: str
-) -> None:
+@tabled
+def test_the_definitions_of_the_bag_are_the_ones_that_count(declared, text, words, tmp_path):
     result = battery(tmp_path, declared, text)
     assert (result.status, result.out) == (2, "")
     assert "c.yml:8:" in result.err
