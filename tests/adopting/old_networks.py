@@ -24,16 +24,13 @@ LICENCE = data_text("adopting/licence.txt")
 
 def write_old_ros_network(folder: Path, package: str, network: str = "network1") -> Path:
     """Write an old ROS package of a network, with nothing written by hand but the nodes' bodies."""
+    place = f"scripts/files/{network}"
     files = {
         "package.xml": f'<package format="2">\n  <name>{package}</name>\n</package>\n',
         "scripts/EDDIInput.py": data_text("adopting/network_input.txt"),
         "scripts/RosNode.py": data_text("adopting/network_node.txt").replace("PACKAGE", package),
-        f"scripts/files/{network}/bayesian_network_config.py": data_text(
-            "adopting/network_config.txt"
-        ),
-        f"scripts/files/{network}/{network}.xdsl": data_text("adopting/network.xdsl").replace(
-            "NETWORK", network
-        ),
+        f"{place}/bayesian_network_config.py": data_text("adopting/network_config.txt"),
+        f"{place}/{network}.xdsl": data_text("adopting/network.xdsl").replace("NETWORK", network),
     }
     for name, text in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
