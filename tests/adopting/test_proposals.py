@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from eddi_scaffold.packages.adopting.old_package import Body
 from eddi_scaffold.packages.adopting.proposals import use_of
 from tests.data_files import tabled
@@ -35,21 +33,11 @@ def test_so_is_a_chain_behind_another_name() -> None:
     assert proposal(f"held = xok\n{chain('held', '')}") == "{input: xok, map: {true: A, false: B}}"
 
 
-@pytest.mark.parametrize(
-    "body",
-    [
-        chain("x <= 1", "x >= 1", ""),  # 1 is below, and all else above: nothing for the last
-        chain("x <= 1", "x < 3", "x <= 9"),  # nothing above 9, and edges on different sides
-        chain("x <= 1", "x > 2"),  # a gap
-        chain("x < 1", "x <= 2", ""),  # 1 belongs to one side, 2 to the other
-        chain("x == 1", ""),
-        chain("x <= xok", ""),
-        chain("x <= 1", "xok > 2", ""),  # two inputs
-        chain("x", ""),  # a number that is tested for being 0
-        "outcome_A = 1.0\n",
-        f"print()\n{chain('x <= 5', '')}",
-        "",
-    ],
-)
-def test_another_form_gets_no_proposal(body: str) -> None:
-    assert proposal(body) is None
+@tabled
+def test_another_form_gets_no_proposal(tests: list[str]) -> None:
+    assert proposal(chain(*tests)) is None
+
+
+def test_nor_does_what_is_no_chain() -> None:
+    for body in ("outcome_A = 1.0\n", f"print()\n{chain('x <= 5', '')}", ""):
+        assert proposal(body) is None

@@ -7,6 +7,7 @@ import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from tests.cli.command import EXAMPLE, ROOT, example, files_below, run
+from tests.data_files import tabled
 from tests.diagnosed import assert_reported
 
 SOURCES = ("two_conserts.xml", "-c", "consert_a_config.yml")
@@ -118,19 +119,8 @@ def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     assert first.endswith("status partial")  # a person observes one of both nodes
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (("class EDDIInput(", "import no_such_module\nclass EDDIInput("), "no_such_module"),
-        (
-            ("super().__init__(Monitor.inputs)", "raise RuntimeError('broken')"),
-            "RuntimeError: broken",
-        ),
-    ],
-)
-def test_code_that_cannot_be_loaded(
-    folder: Path, package: Path, change: tuple[str, str], words: str
-) -> None:
+@tabled
+def test_code_that_cannot_be_loaded(change, words, folder, package):
     write(package, *change)
     result = run("run", package, "--inputs", "recording.csv", cwd=folder)
     assert (result.status, result.out) == (2, "")

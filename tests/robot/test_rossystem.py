@@ -114,28 +114,11 @@ def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
 # filters
 
 
-@pytest.mark.parametrize(
-    ("filters", "message", "hint"),
-    [
-        (Filters(("/jonts",)), "no topic matches --only '/jonts'", "did you mean '/joints'?"),
-        (
-            Filters(components=("x",)),
-            "no component matches --component 'x'",
-            "there are: arm, camera, front",
-        ),
-        (
-            Filters(("/joints",), ("front",), no_infrastructure=True),
-            "no topic matches all filters",
-            None,
-        ),
-    ],
-)
-def test_a_filter_that_keeps_nothing_is_refused(
-    robot: Path, filters: Filters, message: str, hint: str | None
-) -> None:
+@tabled
+def test_a_filter_that_keeps_nothing_is_refused(filters, message, hint, robot):
     edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
     with pytest.raises(EddiError) as refused:
-        parsed(robot, filters=filters)
+        parsed(robot, filters=Filters(**filters))
     (problem,) = refused.value.problems
     assert (problem.code, problem.message, problem.hint) == ("M022", message, hint)
 

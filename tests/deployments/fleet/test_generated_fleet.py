@@ -23,7 +23,7 @@ from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.platforms import MeetingPlace
 from eddi_scaffold.yaml_text.nodes import read_map
 from tests.cli.command import ROOT, files_below, run
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 from tests.diagnosed import assert_reported
 from tests.package_texts import facts_in
 
@@ -250,21 +250,8 @@ def offered(fleet: Fleet) -> dict[str, list[str]]:
 ROBOTS = data_text("deployments/robots.yml")
 
 
-@pytest.mark.parametrize(
-    ("binding", "expected"),
-    [
-        ("robot: cart, from: [lift]", {"cart": ["lift/arm.Parked"]}),
-        ("robot: cart, from: lift", {"cart": ["lift/arm.Parked"]}),
-        ("robot: cart", {"cart": ["arm/arm.Parked", "lift/arm.Parked"]}),
-        (
-            "from: any, monitor: cart, guarantee: Parked",
-            {key: ["arm/arm.Parked", "lift/arm.Parked"] for key in ("cart", "truck")},
-        ),
-    ],
-)
-def test_who_may_fulfil_a_demand(
-    binding: str, expected: dict[str, list[str]], folder: Path
-) -> None:
+@tabled
+def test_who_may_fulfil_a_demand(binding, expected, folder):
     text = f"{ROBOTS}Bindings: [{{demand: ArmIsParked, {binding}}}]\n"
     found = offered(whole(folder, text))
     assert found == {f"{name}/cart.ArmIsParked": of for name, of in expected.items()}
