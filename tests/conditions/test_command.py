@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import ROOT, files_below, run
-from tests.data_files import tabled
+from tests.data_files import data_text, tabled
 
 D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
 CSV = "t,temp,warning\n0,120,true\n1,,\n2,130,\n3,nan,\n4,50,false\n"
@@ -113,12 +113,7 @@ def test_a_division_is_one(text: str) -> None:
 
 pytestmark = pytest.mark.slow
 
-EVENTS = """\
-CONST limit = 80
-VAR motor.data : NUMBER UNIT degC TIMEOUT 500ms
-EVENT hot (HAZARD) := ONCE(motor.data > limit, 200ms)
-EVENT cool (EVIDENCE) := NOT hot
-"""
+EVENTS = data_text("conditions/safety.events")
 SOURCES = ("-m", "Rover.yml", "-c", "eddi_config.yml")
 
 

@@ -14,14 +14,9 @@ from eddi_scaffold.conditions.standalone import generate
 from eddi_scaffold.conditions.syntax import File, SyntaxNode, canonical, is_list_path
 from eddi_scaffold.program.running import Engine
 from tests.conditions.reference import NearTie, aggregate, combine
-from tests.data_files import tabled
+from tests.data_files import data_text, tabled
 
-DECLARATIONS = """\
-VAR m.x[*] : NUMBER RANGE -50 .. 50 TIMEOUT 1000h
-VAR m.y[*] : NUMBER ALLOW INF TIMEOUT 1000h
-VAR m.b[*] : BOOL TIMEOUT 1000h
-VAR m.low : NUMBER TIMEOUT 1000h
-"""
+DECLARATIONS = data_text("conditions/lists.events")
 SECOND = 10**9
 
 

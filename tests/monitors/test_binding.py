@@ -18,15 +18,8 @@ SPEED = data_text("monitors/speed.yml")
 
 def config_text(entry: str, sources: str = "", top: str = "") -> str:
     """Return a configuration of SPEED that has one input."""
-    return (
-        f"Model: {{id: speed, type: ConSert{top}}}\n"
-        "SimulatorOutputs:\n"
-        "  - {id: lidar, type: std_msgs/msg/Float32, topic: /lidar, max_age: 2}\n"
-        "  - {id: other, type: my_msgs.Other, topic: /other, max_age: 1.5}\n"
-        f"{sources}"
-        f"EDDIInputs:\n  - {{id: Clearance, {entry}}}\n"
-        "EDDIOutputs: [{id: out, topic: /speed}]\n"
-    )
+    text = data_text("monitors/speed_config.yml").replace("TOP", top)
+    return text.replace("SOURCES", sources).replace("ENTRY", entry)
 
 
 def joined(

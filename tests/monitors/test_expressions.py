@@ -16,6 +16,7 @@ from tests.checkouts import HERE
 from tests.data_files import data_text, tabled
 
 EXAMPLE = HERE / "examples" / "rover-events"
+ROVER = data_text("monitors/rover_config.yml")
 SECOND = 1_000_000_000
 
 
@@ -29,18 +30,7 @@ def joined(config: str, folder: Path = Path()) -> tuple[BoundMonitor | None, lis
 
 
 def config(battery: str, motor: str = "expression: motor.data < 80", more: str = "") -> str:
-    return f"""Model: {{id: Rover, type: ConSert, frequency: 10}}
-SimulatorOutputs:
-  - {{id: battery, type: sensor_msgs.BatteryState, topic: /battery, max_age: 1.0}}
-  - {{id: motor, type: std_msgs.Float32, topic: /motor, max_age: 0.5}}
-{more}EDDIInputs:
-  - id: BatteryIsFine
-    {battery}
-  - id: MotorIsCool
-    {motor}
-EDDIOutputs:
-  - {{id: rover, topic: /rover/guarantees}}
-"""
+    return ROVER.replace("MORE", more).replace("BATTERY", battery).replace("MOTOR", motor)
 
 
 def sound(result: tuple[BoundMonitor | None, list[Problem]]) -> BoundMonitor:
