@@ -95,10 +95,12 @@ class Release:
 
     def fields(self):
         """Build the messages of all types of fields, once on a machine; return the environment."""
-        text = Path(table.__file__).read_bytes() + _WHEELS.read_bytes()
-        of = hashlib.sha256(text).hexdigest()[:12]
+        files = (_WHEELS, *sorted(path for path in table.PACKAGE.rglob("*") if path.is_file()))
+        of = hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
         place = CACHE / f"fields-{self.name}-{of}"
-        return self._built(place, lambda: table.write_package(place / "src" / "field_msgs"))
+        return self._built(
+            place, lambda: shutil.copytree(table.PACKAGE, place / "src" / "field_msgs")
+        )
 
     def _built(self, place, write):
         """Build what a function writes, unless another worker, or run, has done so."""
