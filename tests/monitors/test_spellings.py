@@ -62,9 +62,27 @@ def test_the_monitors_of_a_robot_stand_in_one_file(tmp_path):
     assert done.status == 0
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"cart", "fleet"}
     words = ("-o", "one", "--platform", "plain", "-c", "robot.yml", "--name", "fleet")
-    assert run("generate", *words, cwd=tmp_path).status == 0
+    done = run("generate", *words, cwd=tmp_path)
+    assert (done.status, done.err.count("[")) == (0, 0)  # its publisher is in the same file
     assert [path.name for path in (tmp_path / "one").iterdir()] == ["fleet"]
     assert "fleet" in run("generate", *words[:-1], "flet", cwd=tmp_path).err
+
+
+def test_one_of_several_is_shown_by_the_name_of_its_document(tmp_path):
+    (tmp_path / "near.events").write_text("VAR near : NUMBER\nEVENT Clear (EVIDENCE) := near > 1\n")
+    checked(
+        tmp_path,
+        ("id: cart, ", "id: wagon, "),
+        ("cart.MayDrive", "wagon.MayDrive"),
+        ("topic: battery}", "topic: battery}\n  - {id: scan, type: std_msgs/Float32, topic: scan}"),
+    )
+    with (tmp_path / "robot.yml").open("a") as robot:
+        robot.write("---\nModel: {id: lidar, type: Event, model: near.events}\n")
+        robot.write("EDDIInputs: [{id: near, from: scan, max_age: 1 s}]\n")
+    for command, name in (("show", "lidar"), ("show", "wagon"), ("diagram", "wagon")):
+        done = run(command, "robot.yml", "--name", name, cwd=tmp_path)
+        assert (done.status, done.err) == (0, "")  # `near` has an age: no question of a TIMEOUT
+    assert run("show", "near.events", cwd=tmp_path).err.count("W003") == 1
 
 
 @tabled

@@ -6,7 +6,7 @@ import time
 from contextlib import suppress
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from .plain_values import UNTOLD, Absent, NotGivenError, one_line, plain, read
+from .plain_values import UNTOLD, Absent, NotGivenError, as_message, one_line, plain, read
 
 NO_TIME = "the time of the step is no whole number of nanoseconds"
 _LARGEST = 2**63
@@ -267,6 +267,7 @@ class EDDIInputBase:
         """Return the latest messages, their ages, and whether they are there and fresh."""
         messages = [simulator_outputs.get(name) for name in requires]
         ages = [self.__age(name, message) for name, message in zip(requires, messages)]
+        messages = [as_message(message) for message in messages]
         absent = [name for name, message in zip(requires, messages) if message is None]
         unfit = [self.__words[name].unfit for name in absent if name in self.__words]
         if unfit:
