@@ -23,7 +23,6 @@ def old(tmp_path: Path) -> Path:
         == 0
     )
     model = (tmp_path / "yml" / "ConSertA.yml").read_text("utf-8")
-    (tmp_path / "ws" / "src").mkdir(parents=True)
     return write_old_ros_package(tmp_path / "old", model)
 
 
