@@ -23,7 +23,6 @@ def old(tmp_path: Path) -> Path:
         == 0
     )
     model = (tmp_path / "yml" / "ConSertA.yml").read_text("utf-8")
-    (tmp_path / "ws" / "src").mkdir(parents=True)
     return write_old_ros_package(tmp_path / "old", model)
 
 
@@ -120,9 +119,7 @@ def test_what_cannot_be_adopted(change, code, words, old):
     for name, text in change.items():
         path = old / name
         path.parent.mkdir(exist_ok=True)
-        path.unlink(missing_ok=True)
-        if text is not None:
-            path.write_text(BOMBS.get(text, text), "utf-8")
+        path.write_text(BOMBS.get(text, text), "utf-8")
     before = files_below(old.parent)
     result = run("adopt", "old", "-w", "ws", cwd=old.parent)
     assert (result.status, f"[{code}]" in result.err) == (2, True), result.err

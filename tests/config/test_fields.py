@@ -4,29 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.config.field_paths import (
-    Attribute,
-    ByKey,
-    FieldPathError,
-    Index,
-    expression,
-    parse_field,
-    path_text,
-)
+from eddi_scaffold.config.field_paths import FieldPathError, expression, parse_field, path_text
 from tests.data_files import tabled
 
 
 @tabled
 def test_expressions(text: str, code: str) -> None:
     assert expression("m", parse_field(text)) == code
-
-
-def test_steps() -> None:
-    assert parse_field("a[0][b].c") == (Attribute("a"), Index(0), ByKey("b"), Attribute("c"))
-    assert parse_field('a[k="x y"]') == (Attribute("a"), ByKey("x y", "k"))
-    assert parse_field("a[id=3]") == (Attribute("a"), ByKey(3, "id"))
-    assert parse_field("a[header.frame_id=map]")[1] == ByKey("map", "header.frame_id")
-    assert parse_field('a["12"]')[1] == ByKey("12")
 
 
 @pytest.mark.parametrize("text", ["scan.ranges[*]", "a[2..5].b", "a[*].b[c].d[0]"])

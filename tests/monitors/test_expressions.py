@@ -60,15 +60,6 @@ def step(
     return getattr(eddi_input, name)
 
 
-def test_an_expression_needs_no_requires_and_no_code() -> None:
-    monitor, problems = joined((EXAMPLE / "eddi_config.yml").read_text("utf-8"))
-    assert monitor is not None, problems
-    assert problems == []
-    battery = monitor.inputs[0]
-    assert [source.id for source in battery.requires] == ["battery"]
-    assert battery.is_given
-
-
 def test_missing_stale_and_nan_are_unknown() -> None:
     eddi_input = bound(sound(joined(config('expression: "battery.percentage > 0.2"'))))
     good = SimpleNamespace(percentage=0.5)

@@ -9,6 +9,7 @@ from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands l
 from tests.cli.command import EXAMPLE, ROOT, example, files_below, run
 from tests.data_files import tabled
 from tests.diagnosed import assert_reported
+from tests.rows import changes
 
 SOURCES = ("two_conserts.xml", "-c", "consert_a_config.yml")
 BODY = "self.RtE_A_E0 = RtE_E0.data"
@@ -36,8 +37,7 @@ def write(package: Path, old: str, new: str, name: str = "EDDIInput.py") -> None
 
 
 def states(out: str) -> list[str]:
-    verdicts = {"active": "1", "inactive": "0"}
-    return ["".join(verdicts.get(word, "") for word in line.split()) for line in out.splitlines()]
+    return [state for _, state in changes(out)]
 
 
 def test_an_untouched_package_says_what_its_configuration_says(folder: Path, package: Path) -> None:

@@ -114,15 +114,6 @@ def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
 # filters
 
 
-@tabled
-def test_a_filter_that_keeps_nothing_is_refused(filters, message, hint, robot):
-    edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
-    with pytest.raises(EddiError) as refused:
-        parsed(robot, filters=Filters(**filters))
-    (problem,) = refused.value.problems
-    assert (problem.code, problem.message, problem.hint) == ("M022", message, hint)
-
-
 def test_what_a_filter_leaves_out_is_said_to_be_left_out(robot: Path) -> None:
     parsed(robot)
     edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
