@@ -18,8 +18,12 @@ from tests.fields import table
 from tests.interpreters import CACHE
 from tests.ros1.world import demand
 
-FLAGS = ("-DCMAKE_C_FLAGS=-O0", "-DCMAKE_CXX_FLAGS=-O0")
-"""Nobody waits for these messages."""
+FLAGS = (
+    "-DCMAKE_C_FLAGS=-O0",
+    "-DCMAKE_CXX_FLAGS=-O0",
+    f"-DCMAKE_PROJECT_INCLUDE={Path(__file__).with_name('without_cpp.cmake')}",
+)
+"""Nobody waits for these messages, and no test is written in C++."""
 _WHEELS = ROOT / "script" / "ros2_wheels.txt"
 _SOURCED = bool(os.environ.get("AMENT_PREFIX_PATH"))
 
