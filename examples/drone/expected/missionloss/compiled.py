@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 2})
-# sha256 of the lines below: eec9e07b1a6e72d9375e1e3521b1873ee19aa65a67ce4e01c68d5d7948d3afc1
+# sha256 of the lines below: db1234d8d32012efc7404d4d6c765a9f24f3a3fc99f4c7eb0dee3596323e9fc7
 
 
 # Markov Rotors
@@ -101,6 +101,7 @@ class Monitor(reliability.Reliability):
         InputSpec("rotors_ok", "rotors_ok", requires=("rotors",), max_age=1.0),
         InputSpec("MissionLoss_Link", "MissionLoss_Link", requires=("link_lost",), max_age=1.0),
     )
+    topics = {"rotors": "/drone/rotors_ok", "link_lost": "/drone/link_lost"}
     rules = {"rotors_ok": reliability.Rule("bool"), "MissionLoss_Link": reliability.Rule("bool")}
     top = "MissionLoss"
     uses = ("rotors_ok", "MissionLoss_Link")

@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, event, expressions
 from .eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: db5a75f0d152e7c8f99d9a49305643d60311cce5c01b9b1e3c088ea66f8701e3
+# sha256 of the lines below: d0aaa55f621c1346b8100ed1ab3f7eec45872b6fb2ae38fddf1b66af29bd20f9
 INF = float("inf")
 NAN = float("nan")
 
@@ -21,8 +21,10 @@ class Monitor(event.EventMonitor):
         InputSpec("temp", "temp", requires=("temperature",), max_age=0.5),
         InputSpec("current", "current", requires=("current",), max_age=0.5),
     )
+    topics = {"temperature": "/motor/temperature", "current": "/motor/current"}
     types = ("number", "number")
     limits = ((-40.0, 200.0, False), (-INF, INF, False))
+    units = ("degC", "A")
     events = (event.Event("MotorFit", False, (0, 1)),)
 
     def __init__(self):

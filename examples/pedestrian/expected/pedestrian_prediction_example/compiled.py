@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 3})
-# sha256 of the lines below: d7bd13d37422421c1895ed8bcdc209200f98ad1b055fe7cd3d01fabc470236ad
+# sha256 of the lines below: 63ab828a943eee3805ee505968d4c9ca3d4d65d12590eb892432cc87d9450c9e
 
 
 def part_0_0_total(v):
@@ -182,6 +182,7 @@ class Monitor(bayesian_network.BayesianNetworkMonitor):
         InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
         InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),
     )
+    topics = {"speed": "/vehicle/speed", "distance": "/pedestrian/distance"}
     nodes = (
         # 0 //@nodes.0
         bayesian_network.NodeSpec(

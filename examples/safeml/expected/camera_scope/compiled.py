@@ -8,13 +8,14 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, safeml
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, safeml: 1})
-# sha256 of the lines below: 949d61c9b576b4192086e41dcfa140c7de8a21fdcec6e7685c4576dc609ced63
+# sha256 of the lines below: bca095d114dacbd614021a3b60cbef4dc96c709d28b7ed9a656ccc76f813738e
 
 
 class Monitor(safeml.SafeML):
     model_id = "camera_scope"
     digest = "7500162b9003eb76a12fbe8c6926bea14a6c6e884246d1afae2c597de49a368e"
     inputs = (InputSpec("frame", "frame", requires=("features",), every_message=True),)
+    topics = {"features": "/camera/features"}
     metric = "ad"
     metric_name = "AndersonDarlingDistance"
     window_size = 50

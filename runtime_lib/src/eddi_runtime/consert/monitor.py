@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Sequence, overload
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, Sequence, overload
 
-from ..inputs import accepted, look_again, states_of
+from ..inputs import accepted, look_again, states_of, step_time
 from ..monitor import Monitor, Standing, Tree, row_trees
 from ..plain_values import ABSENT, exactly, plain, read
+from ..why import FALSE, TRUE, UNKNOWN, Cause
 from .verdicts import (
-    FALSE,
     FAULT,
     MISSING,
     NAMES,
-    TRUE,
-    UNKNOWN,
     Explanation,
     Guarantee,
     Judgement,
@@ -27,6 +25,7 @@ if TYPE_CHECKING:  # travels where a monitor has one
     from .search import Graph
 
 Rows = List[Dict[str, object]]
+_NEVER = -1  # truth of an input before the first step
 
 
 class ConSert(Monitor[Rows]):
@@ -41,7 +40,9 @@ class ConSert(Monitor[Rows]):
     graph: Graph | None = None  # where the sets of a guarantee are too many to be written down
     services: tuple[tuple[str, tuple[str, ...]], ...] = ()  # each with ids of its guarantees
     raw: Sequence[object]  # of the last step, ``Absent`` where an input could not be read
-    source: object  # that it was read from
+    _seen: Sequence[object]  # ``raw``, or what the filter gave, when they were looked at last
+    # truth of each input then, from when on it has been that, and from when on it is not TRUE
+    _noted: list[tuple[int, int | None, int | None]]
     _found: Sets | None
 
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
@@ -55,7 +56,7 @@ class ConSert(Monitor[Rows]):
 
     def step(self, source: object) -> tuple[bool, ...]:
         """Return active flags in file order; never raises. Small models write this out."""
-        self.raw, self.source = self.read(source), source
+        self.raw, self._source = self.read(source), source
         values: Sequence[int] = [self.judge(k, value) for k, value in enumerate(self.raw)]
         if self.filter is not None:
             values = self.filter.apply(values)
@@ -74,10 +75,52 @@ class ConSert(Monitor[Rows]):
         Absent, None, NaN and whatever is no value for the input is UNKNOWN; active is TRUE alone.
         """
         look_again(eddi_input, t_ns)
-        return [
-            {"id": id_, "active": flag}
-            for id_, flag in zip(self.published_ids, self.step(eddi_input))
-        ]
+        flags = self.step(eddi_input)
+        self.look(t_ns)
+        return [{"id": id_, "active": flag} for id_, flag in zip(self.published_ids, flags)]
+
+    def look(self, t_ns: int | None) -> None:
+        """Note at the end of a step since when inputs are what they are, where one is another."""
+        self._at = t_ns
+        seen: Sequence[object] = self.raw if self.filter is None else self.filter.values
+        try:
+            if seen == self._seen:
+                return
+        except Exception:  # noqa: BLE001, S110 - values may compare as they like
+            pass
+        now = step_time(t_ns)
+        for k, (value, before) in enumerate(zip(seen, self._seen)):
+            if value is not before:
+                truth = self.judge(k, value) if self.filter is None else self.filter.values[k]
+                last, began, lost = self._noted[k]
+                if truth != last:
+                    began, lost = now, now if last in (TRUE, _NEVER) else lost
+                self._noted[k] = truth, began, lost
+        self._seen = seen
+
+    def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
+        """Return the causes of the set of inputs that is nearest to TRUE, for each guarantee."""
+        sets, values = self._sets(), self._leaf_values()
+
+        def distance(group: list[int]) -> tuple[object, ...]:
+            return -min([values[k] for k in group], default=TRUE), len(group), sorted(group)
+
+        places = {name: k for k, name in enumerate(self._input_ids)}
+        for one, name in zip(self.guarantees, self.published_ids):
+            if not one.default:
+                groups = [[places[id_] for id_ in group] for group in sets.missing(one)[0]]
+                nearest = min(groups, key=distance, default=[])
+                nearest.sort(key=lambda k: (self._noted[k][2] or 0, k))
+                yield name, sets.value(one), [c for k in nearest for c in self._of_leaf(k)]
+
+    def _of_leaf(self, k: int) -> list[Cause]:
+        value, why = self.leaves[k].judge(self.raw[k])
+        since = self._lasting(self._noted[k][1])
+        if value == TRUE and self.filter is not None:
+            own = Cause((), "hold", self.filter.waiting(k))
+            return [own._replace(path=(self._input_ids[k],), since=since)]
+        own = self.leaves[k].cause(self.raw[k], why)
+        return self._of_input(self.inputs[k], value, since, own)
 
     def series(self, output: Rows) -> dict[str, bool | float | str | None]:
         return {str(row["id"]): row["active"] is True for row in output}
@@ -143,7 +186,7 @@ class ConSert(Monitor[Rows]):
         return tuple(sorted({robot for robots in found for robot in robots}))
 
     def _robots(self, one: Guarantee) -> dict[str, tuple[str, ...]]:
-        states = states_of(self.source).items()
+        states = states_of(self._source).items()
         words = {name: state.robots for name, state in states if state.robots}
         if not words:  # as for most robots: nothing is to be found out
             return {}
@@ -151,7 +194,7 @@ class ConSert(Monitor[Rows]):
 
     def reasons(self) -> dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
-        reasons, states = {}, states_of(self.source)
+        reasons, states = {}, states_of(self._source)
         rows = zip(self._input_ids, self.leaves, self.raw, self._leaf_values())
         for k, (name, leaf, raw, filtered) in enumerate(rows):
             if filtered == TRUE:
@@ -178,7 +221,7 @@ class ConSert(Monitor[Rows]):
         return tuple(found)
 
     def accepted(self) -> tuple[str, ...]:
-        found = accepted(self.inputs, self.source)
+        found = accepted(self.inputs, self._source)
         if self.filter is None or not self.filter.accepts:
             return found
         rows = zip(self.inputs, self.filter.values, self._judgements())
@@ -236,8 +279,10 @@ class ConSert(Monitor[Rows]):
     def reset(self) -> None:
         if self.filter is not None:
             self.filter.reset(len(self.inputs))
+        size = len(self.inputs)
+        self._seen, self._noted = (_NEVER,) * size, [(_NEVER, None, None)] * size
         self.raw = (ABSENT,) * len(self.inputs)
-        self.source = None
+        self._source = self._at = None
         self._output_faults = ()
         self._found = None
 

@@ -8,7 +8,7 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: b0670dcc28a3c24b7c0b2f77244dd25129285abe32e22a3889a327be3afd65b3
+# sha256 of the lines below: 3b7739e13256f9acc35157cf4c45ae1fbde99a6b4b8c064a3269c0ca7c0fdd30
 
 
 class Monitor(consert.ConSert):
@@ -18,6 +18,7 @@ class Monitor(consert.ConSert):
         # //@odeProductPackages.0/@conSerts.1/@runtimeEvidence.0
         InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),
     )
+    topics = {"RtE_E0": "/rte/e0b"}
     leaves = (consert.Binary(),)
     # Paths: the smallest sets of inputs of which each gives the guarantee.
     guarantees = (consert.Guarantee("System_A_G0_c2", paths=(("RtE_A_E0",),)),)
@@ -28,7 +29,7 @@ class Monitor(consert.ConSert):
             raw = (source.RtE_A_E0,)
         except Exception:
             raw = self.read(source)
-        self.raw, self.source = raw, source
+        self.raw, self._source = raw, source
         (RtE_A_E0,) = raw
         # RtE_A_E0: //@odeProductPackages.0/@conSerts.1/@runtimeEvidence.0
         if RtE_A_E0 is True:
@@ -42,4 +43,5 @@ class Monitor(consert.ConSert):
     def execute_step(self, source, t_ns=None):
         eddi_runtime.look_again(source, t_ns)
         (System_A_G0_c2,) = self.step(source)
+        self.look(t_ns)
         return [{"id": "System_A_G0_c2", "active": System_A_G0_c2}]
