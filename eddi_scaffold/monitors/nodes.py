@@ -13,6 +13,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputQos, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.input_rules import kind_of_message
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, STATUS, Publication, publications
 from eddi_scaffold.monitors.robots import check_fleet, fleet_answers, fleet_message
 
@@ -42,6 +43,15 @@ class MonitorNode:
         """Return the topic on which robots tell each other, with its type; none for one alone."""
         fleet, type_ = self.config.config.Fleet, fleet_message(self.monitor.kind)
         return {} if fleet is None or type_ is None else {fleet.topic: type_}
+
+    @cached_property
+    def reasons(self) -> tuple[list[str], list[str]]:
+        """Return the topics on which it tells and reads why claims are as they are."""
+        results = [topic for topic in self.publications if not (topic.of or topic.path)]
+        own = [topic.output.topic for topic in results or self.publications[:1]]
+        heard = [s.topic for s in self.subscribed if kind_of_message(s.type) is not None]
+        told, read = (list(dict.fromkeys(map(_why_topic, names))) for names in (own, heard))
+        return told, read
 
     @cached_property
     def _required(self) -> list[SimulatorOutput]:
@@ -111,6 +121,12 @@ class MonitorNode:
             "more": _more(publication)
             + (_qos(output.qos, "\n            ", ",") if has_qos else ""),
         }
+
+
+def _why_topic(topic: str) -> str:
+    """Return where a monitor tells why, of a topic with its result or what is below that."""
+    above, _, last = topic.rpartition("/")
+    return f"{above if last in ('status', 'evidence') else topic}/why"
 
 
 def node_of(monitor: BoundMonitor) -> tuple[MonitorNode, list[Problem]]:
