@@ -16,7 +16,7 @@ pass raise return self super try type while with yield _"""
 RESERVED = frozenset(_WORDS.split())
 TODO = "TODO"  # in a configuration, without quotes: what a person has still to decide
 _MEMBERS = """begin_processing begin_step bind end_step expression look_again processed
-processing received setup states update update_each update_expression"""
+known_for processing received setup states update update_each update_expression why"""
 _INPUT_MEMBERS = frozenset(_MEMBERS.split())
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
 STARTUP_MODULES = ("sitecustomize", "usercustomize")

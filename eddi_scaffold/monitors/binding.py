@@ -136,7 +136,7 @@ def monitor_of(
             problems += [problem("K015.inputs", first=other, second=name, name=binding.attribute)]
     if configured is None or has_errors(problems):
         return None, problems
-    inputs = {binding.model.id: binding.compiled() for binding in bindings}
+    inputs = {binding.model.id: binding.compiled(package) for binding in bindings}
     accepted: list[Acceptance] = []
     for index, entry in enumerate(entries):
         accepted_here = [*input_rules.of_input(entry, inputs[entry.id], index)]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from eddi_scaffold.common import units
-from eddi_scaffold.common.identifiers import attribute, package_name
+from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.field_types import (
@@ -27,8 +28,10 @@ from eddi_scaffold.monitors.expressions import (
     CheckedExpression,
     ExpressionBinder,
     KeyPaths,
+    head_of,
+    path_behind,
 )
-from eddi_scaffold.monitors.input_rules import taken
+from eddi_scaffold.monitors.input_rules import kind_of_message, taken
 from eddi_scaffold.monitors.message_types import installed_message
 from eddi_scaffold.monitors.message_types.documented import documented_at
 from eddi_scaffold.program.input_expressions import BoundInput
@@ -83,6 +86,9 @@ class InputBinding:
     # simulator output -> name in `expression:` with keys in brackets -> its path
     key_paths: KeyPaths = field(default_factory=dict)
     reads: tuple[str, ...] | None = None  # names of fields and inputs that it reads
+    # claims of other monitors that it reads: a simulator output, and the id of the claim, empty for
+    # that which the message names
+    claims: tuple[tuple[str, str], ...] = ()
 
     @property
     def is_given(self) -> bool:
@@ -95,8 +101,9 @@ class InputBinding:
         names = filter(None, (self.model.id, self.renamed_from))
         return tuple(f"process_{attribute(name)}" for name in names)
 
-    def compiled(self) -> BoundInput:
-        """Return what is compiled of it."""
+    def compiled(self, package: str) -> BoundInput:
+        """Return what is compiled of it, for a package."""
+        topics = tuple(full_topic(source.topic, "", package) for source in self.requires)
         return BoundInput(
             self.model.id,
             self.attribute,
@@ -106,6 +113,8 @@ class InputBinding:
             self.default,
             self.model.every_message,
             self.computed,
+            topics=topics if any(source.topic for source in self.requires) else (),
+            claims=self.claims,
         )
 
     def by_value(self) -> InputBinding:
@@ -166,11 +175,33 @@ class InputBinder:
             entry.renamed_from,
             {name: tuple(fields) for name, fields in self.fields.items()},
         )
+        reads = names_read(computed.document) if computed is not None else None
+        binding = replace(binding, claims=tuple(self._claims(reads)))
         if computed is not None:
-            reads = names_read(computed.document)
             binding = replace(binding, computed=computed.document, computed_text=computed.text)
             binding = replace(binding, key_paths=computed.key_paths, reads=reads)
         return binding, self.problems
+
+    def _claims(self, reads: Sequence[str] | None) -> Iterator[tuple[str, str]]:
+        """Yield the claims of other monitors that it reads, by itself or in code by hand."""
+        entry = self.entry
+        for name, source in zip(self.arguments, self.requires, strict=True):
+            kind = kind_of_message(source.type)
+            where = kind.claim.field if kind is not None and kind.claim is not None else None
+            if source.peers is not None:
+                yield source.id, source.peers.guarantee
+            elif where is not None and "{" not in where:  # each message is about one
+                yield source.id, ""
+            elif where == "{}":  # a kind with but one
+                yield source.id, "in_scope"
+            elif where is not None:
+                paths = [path_behind(read) for read in reads or () if head_of(read) == name]
+                if entry.field is not None:
+                    with suppress(field_paths.FieldPathError):  # which is told
+                        paths.append(field_paths.parse_field(entry.field))
+                keys = [path[1] for path in paths if len(path) > 1]
+                ids = [str(key.key) for key in keys if isinstance(key, field_paths.ByKey)]
+                yield from ((source.id, id_) for id_ in dict.fromkeys(ids))
 
     def _place(self, *key: str) -> Place:
         return self.config.place("EDDIInputs", self.index, *key)

@@ -7,7 +7,7 @@ expression itself.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from eddi_scaffold.program.instructions import (
@@ -50,6 +50,9 @@ class BoundInput:
     every_message: bool = False
     expression: Mapping[str, Any] | None = None
     accepts: tuple[str, ...] = ()
+    # for people only, so no part of what is computed
+    topics: tuple[str, ...] = field(default=(), compare=False)
+    claims: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
 
 def expression_classes(inputs: Sequence[BoundInput]) -> dict[str, str]:

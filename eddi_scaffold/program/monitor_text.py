@@ -119,6 +119,8 @@ def _spec(input_: BoundInput, expression: str | None) -> Part:
         "default": input_.default,
         "every_message": input_.every_message or None,
         "accepts": input_.accepts or None,
+        "topics": input_.topics or None,
+        "claims": input_.claims or None,
     }
     named = {key: literal(value) for key, value in values.items() if value is not None}
     if expression is not None:

@@ -299,7 +299,19 @@ class _Player:
         if publisher is not None:
             for topic, message in publisher.messages(monitor.running, step.output, self._topics):
                 self._deliver(topic, message, t, sender=number)
+            self._tell(publisher, monitor.running, t)
         return step
+
+    def _tell(self, publisher: Publications, running: RuntimeMonitor[Any], t: int) -> None:
+        """Give the reasons of a monitor to those that read its claims."""
+        why: Any = None
+        for reader, inbox in zip(self._monitors, self._inboxes, strict=True):
+            topics = reader.sources.keys() & publisher.topics
+            heard = {source for topic in topics for source in reader.sources[topic]}
+            read = {source for spec in reader.running.inputs for source, _ in spec.claims}
+            for source in read & heard:
+                why = why or running.why()
+                inbox.append(Received(t, f"{source}/why", why))
 
     def _deliver(self, topic: str, message: Any, t: int, sender: int = -1) -> None:
         """Give a message to all who listen; only those behind the sender step for it at once."""

@@ -104,7 +104,7 @@ def test_causes_of_another_monitor_count_while_they_are_fresh_and_of_the_same_ve
     there = why.claim_why("lidar", "Clear", why.UNKNOWN, [Cause(("scan",), "window", "{since}")])
     claims = {"Clear": there}
     (cause,) = why.told(claims, "Clear", 2.5, why.UNKNOWN)
-    assert (cause.since, cause.below("w", "Path").monitors) == (2.5, ("w", "lidar"))
+    assert (cause.since, cause.under("Path").path) == (2.5, ("Path", "scan"))
     assert not why.told(claims, "Clear", 3.1, why.UNKNOWN)
     assert not why.told(claims, "Clear", NAN, why.UNKNOWN)
     assert not why.told(claims, "Clear", 0.0, why.FALSE)
@@ -116,7 +116,7 @@ def test_causes_of_another_monitor_count_while_they_are_fresh_and_of_the_same_ve
 def test_a_message_keeps_within_its_bytes_and_a_path_keeps_its_topic():
     cause = Cause(("/topic",), "silent", "t" * 300, "/topic")
     for k in range(40):
-        cause = cause.below(f"monitor{k}", f"input{k}")
+        (cause,) = why.claim_why(f"monitor{k}", "c", why.FALSE, [cause.under(f"input{k}")]).causes
     assert (len(cause.path), cause.path[-1], len(cause.monitors)) == (16, "/topic", 16)
     rows = [ClaimWhy(f"c{k}", 1, (cause,) * 8, 3) for k in range(20)]
     _, fields = tree = why.why_tree("m", {row.id: row for row in rows})

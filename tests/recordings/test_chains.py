@@ -1,7 +1,4 @@
-"""Recordings through several monitors: what is true, known to be false, and unknown at each.
-
-The oracle's sentences (`text`, `first`) are not looked at.
-"""
+"""Recordings through several monitors: what is true at each, and the sentences that say why not."""
 
 import csv
 from collections.abc import Iterator, Mapping
@@ -10,6 +7,7 @@ from typing import Any
 
 import pytest
 import yaml
+from eddi_runtime.why import ClaimWhy
 
 from eddi_scaffold.common.claims import State
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -34,11 +32,20 @@ def test_values(name: str, tmp_path: Path) -> None:
     parts = of_messages(monitors, [step_rule(one) for one in monitors])
     by_name = {one.id: one for one in monitors}
     values: dict[tuple[int, str], Mapping[str, str]] = {}
+    whys: dict[tuple[int, str], Mapping[str, ClaimWhy]] = {}
     for part, frame in play(parts, _tape(case["samples"], monitors)):
         id_ = part.name or monitors[0].id
         values[round(frame.t * 1000), id_] = dict(_values(by_name[id_], part, frame.output))
+        whys[round(frame.t * 1000), id_] = part.running.why()
     wanted = {(round(w["t"] * 1000), w["monitor"], w["claim"]): w["value"] for w in case["wants"]}
     assert {key: values[key[:2]][key[2]] for key in wanted} == wanted
+    for want in case["wants"]:
+        claim = whys[round(want["t"] * 1000), want["monitor"]][want["claim"]]
+        cause = claim.causes[0] if claim.causes else None
+        first = cause and {"topic": cause.topic, "state": cause.state}
+        values_of = claim.as_json()
+        assert (values_of["value"], claim.sentence) == (want["value"], want.get("text", "")), want
+        assert first == want.get("first")
 
 
 def _tape(samples: str, monitors: list[BoundMonitor]) -> Recording:

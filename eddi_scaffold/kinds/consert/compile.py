@@ -195,8 +195,10 @@ class _Compilation:
             reads = py.tuple_of(attribute_of("source", input_.attribute) for input_ in inputs)
             lines += ["        try:", *py.assignment("raw", reads, 12)]
             lines += ["        except Exception:", "            raw = self.read(source)"]
-            lines += ["        self.raw, self.source = raw, source", *py.unpacked(leaves, "raw")]
-        lines += [*printer.operations(), *printer.flags()]
+            lines += ["        self.raw, self._source = raw, source", *py.unpacked(leaves, "raw")]
+        lines += printer.operations()
+        lines += py.assignment("self.values", py.tuple_of(leaves), 8) if leaves else []
+        lines += printer.flags()
         if not self.consert.guarantees:
             return lines
         # The method that names the flags (SESAME D7.2 Fig 9).
@@ -214,6 +216,8 @@ class _Compilation:
         lines += ["", "    def execute_step(self, source, t_ns=None):"]
         lines += ["        eddi_runtime.look_again(source, t_ns)"]
         lines += py.unpacked(flags, "self.step(source)")
+        lines += ["        self._at = t_ns", "        if self.values != self.known:"]
+        lines += ["            self.changed()"]
         return [*lines, *py.returned(py.Group("[", tuple(rows), "]"), 8)]
 
 
@@ -239,7 +243,11 @@ def _leaf(node: model.Evidence | model.Demand, input_: BoundInput) -> Leaf:
         ends = (f"[{r.start:.9g}, {r.end:.9g}{']' if r.closed else ')'}" for r in ranges)
         text = f"{' or '.join(ends)}, which is {text}"
     rows = (py.tuple_of([py.number(r.start), py.number(r.end), str(r.closed)]) for r in ranges)
-    constructor = py.call("consert.Numeric", [py.tuple_of(rows), py.text_literal(text)])
+    unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
+    needs = f"{' or '.join(covered.short for covered in dimension.covered)} {unit}".rstrip()
+    shown: list[py.Part] = [py.text_literal(words) for words in (text, needs, unit)]
+    shown += [py.literal(input_.factor)] if input_.factor is not None else []
+    constructor = py.call("consert.Numeric", [py.tuple_of(rows), *shown])
     return Leaf(node.id, NUMBER, "is_within", tuple(ranges), constructor, f"good: {text}")
 
 

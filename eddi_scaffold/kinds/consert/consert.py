@@ -7,6 +7,7 @@ Places do not count in comparisons: two files with the same content hold equal C
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -46,6 +47,18 @@ class Range:
         opening, closing = "[" if self.start_inclusive else "(", "]" if self.inclusive else ")"
         ends = f"{opening}{self.start.text}, {self.end.text}{closing}"
         return f"{ends} {unit}" if unit else ends
+
+    @property
+    def short(self) -> str:
+        """What it asks for, as the short form of ConSerts has it: ``20 .. 100``, ``below 5``."""
+        start, end = self.start.text, self.end.text
+        least = "at least" if self.start_inclusive else "above"
+        if math.isinf(self.start.value):
+            return f"{'at most' if self.inclusive else 'below'} {end}"
+        if math.isinf(self.end.value):
+            return f"{least} {start}"
+        between = f"{start} {'..' if self.inclusive else '..<'} {end}"
+        return between if self.start_inclusive else f"above {between}"
 
     def covers(self, value: float) -> bool:
         """Return whether a number lies inside."""

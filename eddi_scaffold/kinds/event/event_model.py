@@ -43,7 +43,9 @@ from eddi_scaffold.program.python_step import Printer, names_of, stamp_name
 FORMAT = 1
 
 
-def compile_events(program: instructions.Program, declaration: Declaration) -> CompiledMonitor:
+def compile_events(
+    program: instructions.Program, declaration: Declaration, units: Mapping[str, str]
+) -> CompiledMonitor:
     """Compile configured events: what each needs as tables, the step as text."""
     sampling = instructions.Sampling(program)
     numbers = {input_.id: k for k, input_ in enumerate(declaration.inputs)}
@@ -56,6 +58,7 @@ def compile_events(program: instructions.Program, declaration: Declaration) -> C
     }
     types = (_type(sampled.get(input_.id)) for input_ in declaration.inputs)
     limits = (_limits(reads.get(input_.id)) for input_ in declaration.inputs)
+    shown = tuple(units.get(input_.id, "") for input_ in declaration.inputs)
     events = []
     for result, used in zip(program.results, instructions.reads_of_results(program), strict=True):
         needs = sorted({place for read in used for place in sampling.uses[read]})
@@ -70,6 +73,7 @@ def compile_events(program: instructions.Program, declaration: Declaration) -> C
         *head_lines("event.EventMonitor", declaration, {}),
         *py.assignment("types", py.tuple_of(types), 4),
         *py.assignment("limits", py.tuple_of(limits), 4),
+        *(py.assignment("units", py.literal(shown), 4) if any(shown) else ()),
         *py.assignment("events", py.tuple_of(events), 4),
     ]
     reduced = tuple(
@@ -270,7 +274,8 @@ class EventModel(Model):
         return [*lines, "", f"{self.data.rate:g} steps a second; {cost_line(self.program)}."]
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
-        return compile_events(self.program, declaration)
+        units = {input_.id: input_.unit for input_ in self.inputs() if input_.unit}
+        return compile_events(self.program, declaration, units)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the events, each with the variables that it rests on."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple
 
 from . import monitor
 from .expressions import Conditions, reduced, scaled, stamp
@@ -11,6 +11,7 @@ from .expressions import Value as Number
 from .inputs import accepted, look_again, step_time
 from .monitor import Monitor, Standing, Tree, row_trees
 from .plain_values import Absent, exactly, is_nan, plain, read, show
+from .why import TEXTS, TRUE, UNKNOWN, Cause, seconds, shown
 
 FORMAT = 1
 
@@ -38,6 +39,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
     types: tuple[str | tuple[str, ...], ...]
     # of each input that is a number its RANGE, and whether there is ALLOW INF
     limits: tuple[tuple[float, float, bool] | None, ...]
+    units: tuple[str, ...] = ()  # of the inputs, as in the model; empty where none has any
     events: tuple[Event, ...]  # in file order
     reductions: tuple[int, ...] = ()  # for each reduction of a list the number of its first input
     raw: tuple[object, ...]  # values of the inputs in the last step, None where there is none
@@ -45,6 +47,9 @@ class EventMonitor(Conditions, Monitor[Rows]):
     step: Callable[[object, int], tuple[Number, ...]]
     _source: Any
     _verdicts: tuple[Number, ...]
+    # event -> when its verdict became what it is, and the values of the inputs then
+    _changes: dict[int, tuple[int | None, tuple[object, ...]]]
+    _jumped: int | None = None  # time before the clock went back
     _waited = 0.0  # seconds from the last ``processing`` to the last step
 
     def __init__(self) -> None:
@@ -58,7 +63,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
         UNKNOWN.
         """
         self._waited = look_again(eddi_input, t_ns)
-        self._source = eddi_input
+        self._source, self._at = eddi_input, t_ns
         t = step_time(t_ns)
         before, now = self._verdicts, self._unknown
         if t is None:
@@ -70,6 +75,10 @@ class EventMonitor(Conditions, Monitor[Rows]):
             elif any(one is None is not taken for one, taken in zip(self.raw, self._taken)):
                 now = self._unknown  # a simulation's clock stands: no step is taken, silence shows
         self._verdicts = now
+        if now != before:
+            for k, (value, last) in enumerate(zip(now, before)):
+                if value != last:
+                    self._changes[k] = t, self.raw
         return [
             {
                 "id": event.id,
@@ -114,6 +123,45 @@ class EventMonitor(Conditions, Monitor[Rows]):
         trees, faults = row_trees(output, tree_of)
         self._output_faults = tuple(faults)
         return trees or []
+
+    def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
+        for k, (event, value) in enumerate(zip(self.events, self._verdicts)):
+            verdict = int(2 - value if event.hazard else value)
+            yield event.id, verdict, () if verdict == TRUE else self._causes(k, event)
+
+    def _causes(self, number: int, event: Event) -> list[Cause]:
+        began, raw = self._changes.get(number, (None, self.raw))
+        if self._verdicts[number] != UNKNOWN:
+            values = [(self.inputs[k].id, shown(raw[k], self._unit(k))) for k in event.needs]
+            detail = ", ".join([f"{name} {value}" for name, value in values if value][:3])
+            text = "true for {since}" if event.hazard else TEXTS["false"]
+            return [Cause((), "false", text, since=self._lasting(began), detail=detail)]
+        unknown = [k for k in event.needs if self._unusable(k)]
+        unknown.sort(key=lambda k: -self._known_for(self.inputs[k]))
+        causes = []
+        for k in unknown:
+            spec = self.inputs[k]
+            own = Cause((), "invalid", self._unusable(k))
+            causes += self._of_input(spec, UNKNOWN, self._known_for(spec), own)
+        filled = self._known_for(*(self.inputs[k] for k in event.needs))
+        since = min(filled, self._lasting(self.since), *([self._lasting(began)] if began else []))
+        jumped = 0 if self._jumped is None else self._jumped - self.since
+        back = f", the clock went back {seconds(jumped / 1e9)}" if jumped > 0 else ""
+        return causes or [Cause((), "window", TEXTS["window"] + back, since=since)]
+
+    def _unit(self, k: int) -> str:
+        return self.units[k] if self.units else ""
+
+    def _unusable(self, k: int) -> str:
+        """Return why an input has no value that counts, empty where it has one."""
+        raw, limits, unit = self.raw[k], self.limits[k], self._unit(k)
+        if raw is None or is_nan(raw):
+            return "no value" if raw is None else "NaN"
+        value = plain(raw)
+        if limits is None or not isinstance(value, (int, float)) or not self._fault(k):
+            return self._fault(k)
+        low, high, _ = limits
+        return f"{shown(value, unit)} is outside {low:.9g} .. {high:.9g} {unit}".rstrip()
 
     def standings(self) -> list[Standing]:
         waits: dict[str, list[tuple[str, str]]] = {event.id: [] for event in self.events}
@@ -172,8 +220,13 @@ class EventMonitor(Conditions, Monitor[Rows]):
             beyond = f"{given:.15g}, times {factor[0] / factor[1]:.9g}: {beyond}"
         return fault(self.types[k], self.raw[k]) or beyond
 
+    def restart(self) -> None:
+        self._jumped = getattr(self, "last", None)
+        super().restart()
+
     def reset(self) -> None:
         self.restart()
+        self._changes, self._jumped = {}, None
         self._unknown: tuple[Number, ...] = (1,) * len(self.events)
         self._verdicts = self._unknown
         self._reasons = [""] * len(self.reductions)

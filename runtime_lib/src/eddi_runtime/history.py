@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, List, Mapping, Sequence
 
 from . import inputs
-from .inputs import InputSpec, InputState, Latest, Method, aged, invalid
+from .inputs import UNDECIDED, InputSpec, InputState, Latest, Method, aged, invalid
 from .plain_values import UNTOLD
 
 if TYPE_CHECKING:  # travels where a monitor has one
@@ -108,7 +108,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
             elif after.state == "ok":
                 reason = getattr(self.__expressions.get(input_id), "reason", "")
                 state = "untold" if reason == UNTOLD else "invalid"
-                after = InputState(state, reason or "not known yet", after.age)
+                after = InputState(state, reason or UNDECIDED, after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, self.states.get(input_id))
         value = getattr(self, attribute, None) if after.state == "ok" else None

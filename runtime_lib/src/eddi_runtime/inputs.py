@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import suppress
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from .plain_values import UNTOLD, Absent, NotGivenError, one_line, plain, read
+from .plain_values import UNTOLD, Absent, NotGivenError, one_line, plain, read, type_name
+from .why import FALSE, NAN, TEXTS, Cause, holds, named, told
 
 NO_TIME = "the time of the step is no whole number of nanoseconds"
 _LARGEST = 2**63
@@ -24,6 +26,7 @@ def step_time(given: object) -> int | None:
 
 UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above all limits until the next one comes."""
+UNDECIDED = "not known yet"  # of an expression, whose windows fill
 TWO_CLOCKS = "two clocks"
 """Why an age is not known: it began by another clock than that of now, or one that went back."""
 
@@ -50,6 +53,10 @@ class InputSpec(NamedTuple):
     expression: Callable[[], Any] | None = None
     # keys but ``max_age: none`` by which a value of it is accepted that is not confirmed
     accepts: tuple[str, ...] = ()
+    topics: tuple[str, ...] = ()  # of ``requires``, for people
+    # claims of other monitors that it reads: a SimulatorOutput id, and the id of the claim, empty
+    # for that which the message names
+    claims: tuple[tuple[str, str], ...] = ()
 
 
 UNSAFE_DEFAULT = "allow_unsafe_default: true"
@@ -68,6 +75,8 @@ class InputState(NamedTuple):
     detail: str = ""  # traceback of the present reason, empty when there is none
     # whose words the value is made of, where it is made of those of other robots
     robots: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()  # SimulatorOutput ids of messages that are missing or too old
+    text: str = ""  # of a cause, where it says more than the reason
 
 
 _NEW = InputState("missing", "no message yet")
@@ -78,6 +87,8 @@ class Word(NamedTuple):
 
     robot: str  # its name, empty where none was heard
     unfit: str = ""  # why it does not count, empty when it does
+    age: float = NAN  # seconds since it was told
+    lease: float = NAN  # seconds for which it counts
 
 
 def accepted(specs: Sequence[InputSpec], eddi_input: object) -> tuple[str, ...]:
@@ -141,6 +152,11 @@ class EDDIInputBase:
         # input id -> until when its value counts, and its limit in seconds
         self.__due: dict[str, tuple[int, float]] = {}
         self.__unknown: dict[str, object] = {}
+        # for people: when all began, when the state of an input did, and the last look
+        self.__start: int | None = None
+        self.__began: dict[str, int | None] = {}
+        self.__looked: int | None = None
+        self.__latest: Latest = {}  # of inputs that read claims
         self.bind(specs)
 
     def setup(self) -> None:
@@ -152,6 +168,9 @@ class EDDIInputBase:
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions, where ``EDDIInput`` has none."""
         self.__specs = {spec.id: spec for spec in specs}
+        self.__reading = {
+            spec.id: [f"{name}/why" for name, _ in spec.claims] for spec in specs if spec.claims
+        }
         self.__defaults = {
             spec.attribute: getattr(self, spec.attribute, spec.default) for spec in specs
         }
@@ -186,10 +205,15 @@ class EDDIInputBase:
         self.__begun = False
 
     def __keep_time(self, t_ns: int | None) -> None:
+        now = step_time(t_ns)
         if (t_ns is None) is not self.__own:
             self.__arrivals = {name: (one, None) for name, (one, _) in self.__arrivals.items()}
             self.__doubt_time()
-        self.__own, self.__now, self.__arrived = t_ns is None, step_time(t_ns), set()
+            self.__start = None
+        self.__own, self.__now, self.__arrived = t_ns is None, now, set()
+        self.__looked = now
+        if self.__start is None or (now is not None and now < self.__start):
+            self.__start, self.__began = now, {}
 
     def __doubt_time(self) -> None:
         for name in [*self.__due]:
@@ -205,6 +229,7 @@ class EDDIInputBase:
         if now is None or then is None or now < then or (t_ns is None) is not self.__own:
             self.__doubt_time()
             return 0.0
+        self.__looked = now
         for name, (due, limit) in [*self.__due.items()]:
             if now > due:
                 self.__leave(name, _late(limit + (now - due) / 1e9, limit), None)
@@ -232,7 +257,10 @@ class EDDIInputBase:
                 setattr(self, attribute, None)  # a value of an earlier message is no evidence
                 process(*messages)
                 if getattr(self, attribute, None) is None:
-                    after = InputState("invalid", "its method left it at None", after.age)
+                    text = f"process_{attribute} assigned nothing"
+                    after = InputState(
+                        "invalid", "its method left it at None", after.age, text=text
+                    )
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, before)
         if after.state == before.state == "missing":  # from the start: the default is kept
@@ -246,7 +274,10 @@ class EDDIInputBase:
         """Give an input its value of this step."""
         attribute, limit = self.__spec(input_id)
         setattr(self, attribute, value)
+        before = self.states.get(input_id)
         self.states[input_id] = state
+        if before is None or before.state != state.state:
+            self.__began[input_id] = self.__looked
         if state.state != "ok":
             self.__unknown[attribute] = value
             self.__due.pop(input_id, None)
@@ -265,15 +296,22 @@ class EDDIInputBase:
         self, input_id: str, simulator_outputs: Latest, requires: Sequence[str]
     ) -> tuple[list[object], list[float], InputState]:
         """Return the latest messages, their ages, and whether they are there and fresh."""
+        if input_id in self.__reading:
+            self.__latest = simulator_outputs
+            for name in self.__reading[input_id]:
+                if name in simulator_outputs:
+                    self.__age(name, simulator_outputs[name])  # it is noted when it came
         messages = [simulator_outputs.get(name) for name in requires]
         ages = [self.__age(name, message) for name, message in zip(requires, messages)]
         absent = [name for name, message in zip(requires, messages) if message is None]
         unfit = [self.__words[name].unfit for name in absent if name in self.__words]
         if unfit:
-            told = all(name in self.__words and name in (self.__ages or ()) for name in absent)
-            return messages, ages, InputState("stale" if told else "missing", "; ".join(unfit))
+            heard = all(name in self.__words and name in (self.__ages or ()) for name in absent)
+            kind, reason = "stale" if heard else "missing", "; ".join(unfit)
+            return messages, ages, InputState(kind, reason, sources=tuple(absent))
         if absent:
-            return messages, ages, InputState("missing", f"no message of {', '.join(absent)}")
+            reason = f"no message of {', '.join(absent)}"
+            return messages, ages, InputState("missing", reason, sources=tuple(absent))
         state = aged(ages, self.__spec(input_id)[1])
         if state.age == UNKNOWN_AGE and self.__ages is None and state.state != "ok":
             state = state._replace(reason=TWO_CLOCKS)
@@ -293,6 +331,82 @@ class EDDIInputBase:
             return UNKNOWN_AGE
         return (now - then) / 1e9
 
+    def why(
+        self, spec: InputSpec, verdict: int, since: float, topics: Mapping[str, str]
+    ) -> list[Cause]:
+        """Return why an input is not good, as its messages tell it; none where its value does.
+
+        Args:
+            spec: of the input.
+            verdict: what it counts for, FALSE or UNKNOWN.
+            since: seconds for which it has been that.
+            topics: SimulatorOutput id -> full name of its topic.
+        """
+        state = self.states.get(spec.id, _NEW)
+        if state.state in {"missing", "stale"}:
+            late = [name for name in spec.requires if not self.__age_now(name) <= _limit(spec)]
+            names = state.sources or late or spec.requires
+            return [self.__of_message(spec, state, name, topics.get(name, "")) for name in names]
+        if state.state == "invalid":
+            text = state.text or state.reason
+            if state.reason == UNDECIDED:
+                since = self.known_for((spec,))
+                return [Cause((), "window", TEXTS["window"], since=since)]
+            return [of_topic(spec, topics, Cause((), "invalid", text, since=since))]
+        return [
+            cause if link == spec.id else cause.under(link)
+            for claim in spec.claims
+            for link, causes in [self.__of_claim(*claim, verdict, since)]
+            for cause in causes
+        ]
+
+    def __of_message(self, spec: InputSpec, state: InputState, name: str, topic: str) -> Cause:
+        age, limit, word = self.__age_now(name), _limit(spec), self.__words.get(name)
+        path = (topic,) if topic else ()
+        if word is not None:
+            claims = [f"{word.robot}/{claim}" for source, claim in spec.claims if source == name]
+            text = f"robot {word.robot} silent {{age}}, lease {{limit}}"
+            text = text if word.age > word.lease else word.unfit
+            return Cause(tuple(claims), "robot", text, topic, (), word.age, word.age, word.lease)
+        if state.state == "missing":
+            return Cause(path, "never", TEXTS["never"], topic, since=self.__lasting(self.__start))
+        if state.reason == TWO_CLOCKS or age == UNKNOWN_AGE:
+            text = TWO_CLOCKS if state.reason == TWO_CLOCKS else TEXTS["latched"]
+            since = self.known_for((spec,))
+            return Cause(path, "latched", text, topic, (), since, limit=limit)
+        return Cause(path, "silent", TEXTS["silent"], topic, (), age, age, limit)
+
+    def __of_claim(
+        self, source: str, claim: str, verdict: int, since: float
+    ) -> tuple[str, tuple[Cause, ...]]:
+        """Return a claim that an input reads, and why it is so, as its monitor tells it."""
+        message, key = self.__latest.get(source), f"{source}/why"
+        claim = claim or named(message)
+        robot = self.__words[source].robot if source in self.__words else ""
+        causes = told(self.__latest.get(key), claim, self.__age_now(key), verdict)
+        if not causes and verdict == FALSE and holds(message, claim):
+            causes = (Cause((), "false", "true for {since}", since=since),)
+        causes = causes or (Cause((), "untold", TEXTS["untold"], since=since),)
+        return f"{robot}/{claim}" if robot else claim, causes
+
+    def known_for(self, specs: Sequence[InputSpec]) -> float:
+        """Return for how many seconds the states of inputs have been as they are."""
+        began = [self.__began.get(spec.id) for spec in specs]
+        return min([self.__lasting(one) for one in began], default=math.inf)
+
+    def __lasting(self, began: int | None) -> float:
+        now = self.__looked
+        began = self.__start if began is None or now is None or now < began else began
+        return 0.0 if now is None or began is None else max(now - began, 0) / 1e9
+
+    def __age_now(self, name: str) -> float:
+        """Return the age of the last message at the last look, in seconds."""
+        then = self.__now
+        if self.__ages is not None:
+            return self.__ages.get(name, 0.0) + self.__lasting(then)
+        _, came = self.__arrivals.get(name, (None, None))
+        return UNKNOWN_AGE if came is None else self.__lasting(came)
+
     def __robots(self, requires: Sequence[str]) -> tuple[str, ...]:
         return tuple(self.__words[name].robot for name in requires if name in self.__words)
 
@@ -306,6 +420,18 @@ def aged(ages: Sequence[float], limit: float | str | None) -> InputState:
     if age == UNKNOWN_AGE:
         return InputState("stale", "the last message was latched, its age is not known", age)
     return _late(age, limit)
+
+
+def _limit(spec: InputSpec) -> float:
+    """Return how old its messages may be in seconds."""
+    limit = spec.max_age
+    return math.inf if limit is None or isinstance(limit, str) else limit
+
+
+def of_topic(spec: InputSpec, topics: Mapping[str, str], cause: Cause) -> Cause:
+    """Return a cause with the topic of an input, if it has but one."""
+    topic = topics.get(spec.requires[0], "") if len(spec.requires) == 1 else ""
+    return cause._replace(path=(topic,), topic=topic) if topic else cause
 
 
 def _late(age: float, limit: float) -> InputState:
@@ -324,4 +450,14 @@ def invalid(problem: Exception, before: InputState | None) -> InputState:
 
     with suppress(Exception):  # an exception may fail to print itself
         lines = traceback.format_exception(type(problem), problem, problem.__traceback__)
-    return InputState("invalid", reason, None, "".join(lines))
+    return InputState("invalid", reason, None, "".join(lines), text=_raised(problem))
+
+
+def _raised(problem: Exception) -> str:
+    """Return which method of a person raised something, and where; empty for code of ours."""
+    within = problem.__traceback__ and problem.__traceback__.tb_next
+    if within is None or not within.tb_frame.f_code.co_name.startswith("process_"):
+        return ""
+    code, name = within.tb_frame.f_code, type_name(problem)
+    file = code.co_filename.replace("\\", "/").rpartition("/")[2]
+    return f"{code.co_name} raised {name} in {file} line {within.tb_lineno}"

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterable
 from types import ModuleType
 from typing import Any, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union
 
-from .inputs import InputSpec, accepted
+from .inputs import EDDIInputBase, InputSpec, accepted, of_topic, step_time
 from .plain_values import one_line
+from .why import Cause, ClaimWhy, claim_why, why_tree
 
 __version__ = "1.0.0"
 """Of this runtime."""
@@ -84,6 +85,10 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def _has_states(source: object) -> bool:
+    return issubclass(type(source), EDDIInputBase)
+
+
 class Standing(NamedTuple):
     """What one guarantee, threshold or event came to in the last step, for people."""
 
@@ -109,7 +114,9 @@ class Monitor(Protocol[Output]):
     digest: str  # SHA-256 of what the monitor computes; robots compare it
     kind: str  # name of the kind (``consert``)
     inputs: tuple[InputSpec, ...]  # what ``execute_step`` reads, one attribute each
+    topics: Mapping[str, str] = {}  # SimulatorOutput id -> full name, where a node knows it
     _source: object = None  # what the last step was given
+    _at: object = None  # the time that it was given
     _output_faults: tuple[str, ...] = ()
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
@@ -146,6 +153,45 @@ class Monitor(Protocol[Output]):
         What a kind publishes beside its result has a method of its own: ``<name>_message``.
         """
         return None
+
+    def why(self) -> Mapping[str, ClaimWhy]:
+        """Return claim id -> why it is as it is after the last step; never raises.
+
+        Claims are guarantees without ``default``, events, thresholds, and the scope of SafeML.
+        """
+        try:
+            return {row[0]: claim_why(self.model_id, *row) for row in self._whys()}
+        except Exception:  # noqa: BLE001 - what people read must not end what robots rely on
+            return {}
+
+    def why_message(self) -> Tree:
+        """Return the message ``Why`` of ``why()``, without a header."""
+        return why_tree(self.model_id, self.why())
+
+    def _whys(self) -> Iterable[tuple[str, int, Iterable[Cause]]]:
+        """Return id, verdict and causes of each claim, as the claim sees them."""
+        return ()
+
+    def _of_input(self, spec: InputSpec, verdict: int, since: float, own: Cause) -> list[Cause]:
+        """Return why an input is FALSE or UNKNOWN for some seconds; ``own``: by its value."""
+        names = dict(zip(spec.requires, spec.topics))
+        names.update((name, self.topics[name]) for name in spec.requires if name in self.topics)
+        source: Any = self._source
+        causes: list[Cause] = []
+        if _has_states(source):
+            causes = source.why(spec, verdict, since, {**self.topics, **names})
+        causes = causes or [of_topic(spec, names, own._replace(since=since))]
+        return [cause.under(spec.id) for cause in causes]
+
+    def _known_for(self, *specs: InputSpec) -> float:
+        """Return for how many seconds inputs have been known, or unknown, as they are."""
+        source: Any = self._source
+        return source.known_for(specs) if _has_states(source) else math.inf
+
+    def _lasting(self, began: float | None) -> float:
+        """Return for how many seconds it has been so since a time in nanoseconds."""
+        now = step_time(self._at)
+        return 0.0 if now is None or began is None else max(now - began, 0) / 1e9
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
         """Return input id -> outputs that are not given because it is not known now.

@@ -20,7 +20,9 @@ class Evidence:
 
     def __init__(self, threshold: Threshold) -> None:
         self.threshold, self.id = threshold, threshold.id
-        self._since: float | None = None
+        self.active, self.possible = False, True
+        self.since: float | None = None  # from when on it has been good, None while it is not
+        self.lost: float | None = None  # when it became known not to hold
         self.reset()
 
     def step(self, now: float, value: float, *, usable: bool, best: float = -math.inf) -> bool:
@@ -30,20 +32,21 @@ class Evidence:
         """
         _, activate, release, hold_ns = self.threshold
         if best > release:
+            self.lost = now if self.possible else self.lost
             self.possible = False
         elif not best > activate:
             self.possible = True
         if not usable or not value <= release:
-            self.active, self._since = False, None
+            self.active, self.since = False, None
         elif not value <= activate:
-            self._since = None
-        elif self._since is None or now < self._since:
-            self._since = now
+            self.since = None
+        elif self.since is None or now < self.since:
+            self.since = now
             self.active = self.active or hold_ns <= 0
         elif not self.active:
-            self.active = now - self._since >= hold_ns
+            self.active = now - self.since >= hold_ns
         return self.active
 
     def reset(self) -> None:
         """Return to inactive; what was before is not known."""
-        self.active, self.possible, self._since = False, True, None
+        self.active, self.possible, self.since, self.lost = False, True, None, None

@@ -79,13 +79,12 @@ class Cause(NamedTuple):
         links = " <- ".join(self.path)
         return f"{links}: {self.said}" if links else self.said
 
-    def below(self, monitor: str, *links: str) -> Cause:
-        """Return it as a claim of a monitor sees it, from which these links lead to it."""
-        path, end = (*links, *self.path), self.path[-1:] if self.topic else ()
+    def under(self, link: str) -> Cause:
+        """Return it as what reads this input or claim sees it."""
+        path = (link, *self.path)
         if len(path) > MOST_LINKS:  # the topic stays
-            path = path[: MOST_LINKS - len(end)] + end
-        monitors = self.monitors if self.monitors[:1] == (monitor,) else (monitor, *self.monitors)
-        return self._replace(path=path, monitors=monitors[:MOST_LINKS])
+            path = (*path[: MOST_LINKS - 1], path[-1])
+        return self._replace(path=path)
 
     def later(self, passed: float) -> Cause:
         """Return it some seconds later, when nothing has changed."""
@@ -144,7 +143,7 @@ def claim_why(monitor: str, claim: str, verdict: int, causes: Iterable[Cause]) -
         return ClaimWhy(claim, verdict)
     kept: dict[Any, Cause] = {}
     for cause in causes:
-        seen = cause.below(monitor)
+        seen = cause._replace(monitors=(monitor, *cause.monitors)[:MOST_LINKS])
         element = seen.path[-2 if seen.topic else -1 :][:1]
         kept.setdefault((seen.topic, seen.monitors[-1], element, seen.said), seen)
     if not kept:
@@ -163,6 +162,28 @@ def told(claims: object, claim: str, age: float, verdict: int) -> Tuple[Cause, .
     if why is None or not 0.0 <= age <= MOST_AGE_S or why.verdict not in (verdict, verdict - 1):
         return ()
     return tuple([cause.later(age) for cause in why.causes])
+
+
+def named(message: object) -> str:
+    """Return the id of the claim that a message is about, empty where it names none."""
+    try:
+        id_ = plain(getattr(message, "id", ""))
+    except Exception:  # noqa: BLE001 - whatever a message does
+        return ""
+    return id_ if isinstance(id_, str) else ""
+
+
+def holds(message: object, claim: str) -> bool:
+    """Return whether a message of a monitor says that a claim holds; never raises."""
+    given: Any = message
+    try:
+        for name in ("guarantees", "evidence"):
+            rows = [row for row in getattr(given, name, ()) if plain(row.id) == claim]
+            if rows:
+                given = rows[0]
+        return getattr(given, "active", None) is True or plain(getattr(given, "verdict", 0)) == 2
+    except Exception:  # noqa: BLE001 - whatever a message does
+        return False
 
 
 # The message.
@@ -275,6 +296,16 @@ def seconds(value: float) -> str:
 def length(value: float) -> str:
     """Return a limit in its shortest form: ``0.35 s``."""
     return f"{value:.12g} s" if math.isfinite(value) else "no limit"
+
+
+def shown(value: object, unit: str = "") -> str:
+    """Return a value as a sentence shows it: ``1.2 m``, ``true``, ``fog``; empty for no value."""
+    given = plain(value)
+    if isinstance(given, bool):
+        return str(given).lower()
+    if isinstance(given, str) or given is None:
+        return (given or "")[:60]
+    return f"{figure(given)} {unit}".rstrip()
 
 
 def figure(value: float) -> str:

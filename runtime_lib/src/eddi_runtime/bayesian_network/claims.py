@@ -8,10 +8,11 @@ from __future__ import annotations
 import itertools
 import math
 from operator import eq
-from typing import Any, Iterable, List, NamedTuple, Sequence, Tuple
+from typing import Any, Iterable, Iterator, List, NamedTuple, Sequence, Tuple
 
 from ..monitor import Field, Json, Standing, Tree, finite
 from ..thresholds import Evidence, Threshold
+from ..why import FALSE, TEXTS, TRUE, UNKNOWN, Cause, figure
 from .engine import Rows
 from .monitor import BayesianNetworkMonitor, Output
 from .outputs import Claim, Facts
@@ -65,7 +66,7 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             [judge.step for judge in self._judges],
         )
         super().__init__(hooks)
-        self._timed |= any(threshold.limits.hold_ns for threshold in self.thresholds)
+        self._timed = True
         self._doubtful = [source.reader for source in self._sources if source.reader.doubtful]
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
@@ -179,6 +180,51 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             "accepted": list(facts.accepted),
             "evidence": [{name: finite(value) for name, value in row.items()} for row in rows],
         }
+
+    def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
+        for one, threshold, judge in zip(self.claims(), self.thresholds, self._judges):
+            verdict = TRUE if one.active else UNKNOWN if one.reason else FALSE
+            yield one.id, verdict, () if one.active else self._causes(one, threshold, judge)
+
+    def _causes(self, one: Claim, threshold: StateThreshold, judge: Evidence) -> list[Cause]:
+        node, limit = self.nodes[threshold.node], abs(threshold.limits.activate)
+        about = f"{node.id}={' or '.join([node.states[state] for state in threshold.states])}"
+        best, tail = (one.high if threshold.at_least else one.low), f"limit {figure(limit)}"
+        if one.reason == HOLD:
+            hold = threshold.limits.hold_ns / 1e9
+            since = self._lasting(judge.since)
+            return [Cause((), "hold", TEXTS["hold"], since=since, limit=hold)]
+        if one.reason in ("", BETWEEN):
+            lasting, since = (
+                ("", 0.0) if one.reason else (" for {since}", self._lasting(judge.lost))
+            )
+            text = f"{about} {figure(best)}{lasting}, {tail}"
+            return [Cause((), "false", text, since=since, limit=limit)]
+        if one.reason not in (UNKNOWN_INPUTS, TOO_MANY):
+            return [Cause((), "invalid", REASONS[one.reason])]
+        bounds = f"{about} {figure(one.low)} .. {figure(one.high)}, {tail}"
+        detail = "" if math.isnan(one.low) else bounds
+        return [cause.because(cause.state, cause.text, detail) for cause in self._of_unknown()]
+
+    def _of_unknown(self) -> list[Cause]:
+        """Return why inputs are not known that decide, those first that have long been so."""
+        facts, faults, causes = self.facts(), self.faults(), []
+        accepted = {text.partition(": ")[0] for text in facts.accepted}
+        specs = {spec.id: spec for spec in self.inputs}
+        names = [name for name in facts.unknown_inputs if name not in accepted]
+        for name in sorted(
+            names, key=lambda one: -self._known_for(*filter(None, [specs.get(one)]))
+        ):
+            own = Cause((), "invalid", faults.get(name, "no value"))
+            if name in specs:
+                since = self._known_for(specs[name])
+                causes += self._of_input(specs[name], UNKNOWN, since, own)
+            else:  # a node that only a method observes
+                causes.append(own.under(name))
+        for name, states in facts.undecided.items():
+            text = f"may be {' or '.join(states)} after a gap"
+            causes.append(Cause((name,), "window", text))
+        return causes
 
     def standings(self) -> list[Standing]:
         facts, claims = self.facts(), self.claims()

@@ -88,7 +88,7 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         probability zero and ``on_inconsistent`` is ``silent``.
         """
         look_again(eddi_input, t_ns)
-        self._source = eddi_input
+        self._source, self._at = eddi_input, t_ns
         last = self._last
         time = step_time(t_ns) if self._timed else 0
         now = _NO_TIME if time is None else time

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import Callable, Sequence, Tuple
 
-from .verdicts import FALSE, TRUE, UNKNOWN
+from ..why import FALSE, TRUE, UNKNOWN
 
 
 class LeafFilter:

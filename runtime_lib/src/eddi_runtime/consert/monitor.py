@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Sequence, overload
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, Sequence, overload
 
-from ..inputs import accepted, look_again, states_of
+from ..inputs import accepted, look_again, states_of, step_time
 from ..monitor import Monitor, Standing, Tree, row_trees
 from ..plain_values import ABSENT, exactly, plain, read
+from ..why import FALSE, TRUE, UNKNOWN, Cause
 from .verdicts import (
-    FALSE,
     FAULT,
     MISSING,
     NAMES,
-    TRUE,
-    UNKNOWN,
     Explanation,
     Guarantee,
     Judgement,
@@ -41,8 +39,11 @@ class ConSert(Monitor[Rows]):
     graph: Graph | None = None  # where the sets of a guarantee are too many to be written down
     services: tuple[tuple[str, tuple[str, ...]], ...] = ()  # each with ids of its guarantees
     raw: Sequence[object]  # of the last step, ``Absent`` where an input could not be read
-    source: object  # that it was read from
+    values: Sequence[int]  # truth of the inputs in the last step, filtered
+    known: Sequence[int | None]  # the same when they were looked at last; None before
     _found: Sets | None
+    _began: list[int | None]  # time from which on each has had its value
+    _lost: list[int | None]  # time from which on it has not been TRUE
 
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
         self.filter = leaf_filter  # of the truth values of the inputs
@@ -55,10 +56,11 @@ class ConSert(Monitor[Rows]):
 
     def step(self, source: object) -> tuple[bool, ...]:
         """Return active flags in file order; never raises. Small models write this out."""
-        self.raw, self.source = self.read(source), source
-        values: Sequence[int] = [self.judge(k, value) for k, value in enumerate(self.raw)]
+        self.raw, self._source = self.read(source), source
+        values = tuple([self.judge(k, value) for k, value in enumerate(self.raw)])
         if self.filter is not None:
             values = self.filter.apply(values)
+        self.values = values
         sets = self._sets_of(values)
         return tuple([sets.value(guarantee) == TRUE for guarantee in self.guarantees])
 
@@ -74,10 +76,45 @@ class ConSert(Monitor[Rows]):
         Absent, None, NaN and whatever is no value for the input is UNKNOWN; active is TRUE alone.
         """
         look_again(eddi_input, t_ns)
-        return [
-            {"id": id_, "active": flag}
-            for id_, flag in zip(self.published_ids, self.step(eddi_input))
-        ]
+        flags = self.step(eddi_input)
+        self._at = t_ns
+        if self.values != self.known:
+            self.changed()
+        return [{"id": id_, "active": flag} for id_, flag in zip(self.published_ids, flags)]
+
+    def changed(self) -> None:
+        """Note when inputs became what they are, because one has another value than before."""
+        now = step_time(self._at)
+        for k, (value, before) in enumerate(zip(self.values, self.known)):
+            if value != before:
+                self._began[k] = now
+                if before in {TRUE, None}:
+                    self._lost[k] = now
+        self.known = self.values
+
+    def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
+        """Return the causes of the set of inputs that is nearest to TRUE, for each guarantee."""
+        sets = self._sets()
+        places = {name: k for k, name in enumerate(self._input_ids)}
+        for one, name in zip(self.guarantees, self.published_ids):
+            if not one.default:
+                groups = [[places[id_] for id_ in group] for group in sets.missing(one)[0]]
+                nearest = min(groups, key=self._distance, default=[])
+                nearest.sort(key=lambda k: (self._lost[k] or 0, k))
+                yield name, sets.value(one), [c for k in nearest for c in self._of_leaf(k)]
+
+    def _distance(self, group: list[int]) -> Any:
+        """Return how far a set of inputs is from being TRUE."""
+        return -min([self.values[k] for k in group], default=TRUE), len(group), sorted(group)
+
+    def _of_leaf(self, k: int) -> list[Cause]:
+        value, why = self.leaves[k].judge(self.raw[k])
+        since = self._lasting(self._began[k])
+        if value == TRUE and self.filter is not None:
+            own = Cause((), "hold", self.filter.waiting(k))
+            return [own._replace(path=(self._input_ids[k],), since=since)]
+        own = self.leaves[k].cause(self.raw[k], why)
+        return self._of_input(self.inputs[k], value, since, own)
 
     def series(self, output: Rows) -> dict[str, bool | float | str | None]:
         return {str(row["id"]): row["active"] is True for row in output}
@@ -89,7 +126,7 @@ class ConSert(Monitor[Rows]):
 
     def input_verdicts(self) -> dict[str, str]:
         """Return input id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step, filtered."""
-        return {spec.id: NAMES[v] for spec, v in zip(self.inputs, self._leaf_values())}
+        return {spec.id: NAMES[v] for spec, v in zip(self.inputs, self.values)}
 
     def best_guarantees(self) -> dict[str, str | None]:
         """Return service id -> its best active guarantee, None when none is active.
@@ -143,7 +180,7 @@ class ConSert(Monitor[Rows]):
         return tuple(sorted({robot for robots in found for robot in robots}))
 
     def _robots(self, one: Guarantee) -> dict[str, tuple[str, ...]]:
-        states = states_of(self.source).items()
+        states = states_of(self._source).items()
         words = {name: state.robots for name, state in states if state.robots}
         if not words:  # as for most robots: nothing is to be found out
             return {}
@@ -151,8 +188,8 @@ class ConSert(Monitor[Rows]):
 
     def reasons(self) -> dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
-        reasons, states = {}, states_of(self.source)
-        rows = zip(self._input_ids, self.leaves, self.raw, self._leaf_values())
+        reasons, states = {}, states_of(self._source)
+        rows = zip(self._input_ids, self.leaves, self.raw, self.values)
         for k, (name, leaf, raw, filtered) in enumerate(rows):
             if filtered == TRUE:
                 continue
@@ -178,10 +215,10 @@ class ConSert(Monitor[Rows]):
         return tuple(found)
 
     def accepted(self) -> tuple[str, ...]:
-        found = accepted(self.inputs, self.source)
+        found = accepted(self.inputs, self._source)
         if self.filter is None or not self.filter.accepts:
             return found
-        rows = zip(self.inputs, self.filter.values, self._judgements())
+        rows = zip(self.inputs, self.values, self._judgements())
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
         return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
 
@@ -236,23 +273,20 @@ class ConSert(Monitor[Rows]):
     def reset(self) -> None:
         if self.filter is not None:
             self.filter.reset(len(self.inputs))
+        size = len(self.inputs)
+        self.values, self.known = (UNKNOWN,) * size, (None,) * size
+        self._began, self._lost = [None] * size, [None] * size
         self.raw = (ABSENT,) * len(self.inputs)
-        self.source = None
+        self._source = self._at = None
         self._output_faults = ()
         self._found = None
 
     def _judgements(self) -> list[Judgement]:
         return [leaf.judge(raw) for leaf, raw in zip(self.leaves, self.raw)]
 
-    def _leaf_values(self) -> Sequence[int]:
-        if self.filter is not None:
-            return self.filter.values
-        return [value for value, _ in self._judgements()]
-
     def _sets(self) -> Sets:
-        leaf_values = tuple(self._leaf_values())
-        if self._found is None or self._found.leaf_values != leaf_values:
-            self._found = self._sets_of(leaf_values)
+        if self._found is None or self._found.leaf_values != self.values:
+            self._found = self._sets_of(self.values)
         return self._found
 
     def _sets_of(self, leaf_values: Sequence[int]) -> Sets:

@@ -9,7 +9,8 @@ from collections import Counter
 from typing import NamedTuple, Sequence
 
 from ..inputs import InputSpec
-from .verdicts import FALSE, TRUE, Group, Guarantee, Sets
+from ..why import FALSE, TRUE
+from .verdicts import Group, Guarantee, Sets
 
 _BUDGET = 2_000_000
 """Comparisons of sets per explanation, about 0.5 s; beyond it nodes keep ``_FEW_SETS`` each."""

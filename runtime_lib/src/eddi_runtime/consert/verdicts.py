@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any, Callable, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..plain_values import ABSENT, Absent, plain, show
+from ..why import FALSE, TEXTS, TRUE, UNKNOWN, Cause, shown
 
-FALSE, UNKNOWN, TRUE = 0, 1, 2
 NAMES = ("FALSE", "UNKNOWN", "TRUE")
 
 # Why a leaf has its value; plain texts, they are used in reports.
@@ -58,6 +58,16 @@ class Leaf:
         short = text if len(text) <= 200 else f"{text[:197]}..."
         return f"the value {show(raw)} is not in {short}"
 
+    def cause(self, raw: object, why: str) -> Cause:
+        """Return why a value is not good, where its messages do not tell it."""
+        if why == NOT_COVERED:
+            return Cause((), "false", self._wrong(plain(raw)))
+        return Cause((), "invalid", "NaN" if why == NAN else self.describe(raw, why))
+
+    def _wrong(self, value: Any) -> str:
+        """Return the text of a value that is not good."""
+        return TEXTS["false"]
+
 
 class Binary(Leaf):
     """A leaf with the value True or False, of which one is good: evidence, or any demand."""
@@ -70,6 +80,9 @@ class Binary(Leaf):
     def _covers(self, value: object) -> bool | None:
         return value is self.good if isinstance(value, bool) else None
 
+    def _wrong(self, value: Any) -> str:
+        return TEXTS["false"] if self.good else "true for {since}"
+
 
 class Categorical(Leaf):
     """A leaf with a text as value, which should be among the covered ones."""
@@ -79,9 +92,13 @@ class Categorical(Leaf):
     def __init__(self, *covered: str) -> None:
         self.covered = frozenset(covered)
         self.covered_text = "{" + ", ".join(covered) + "}"
+        self.needs = " or ".join(covered)
 
     def _covers(self, value: object) -> bool | None:
         return value in self.covered if isinstance(value, str) else None
+
+    def _wrong(self, value: Any) -> str:
+        return f"{shown(value)} for {{since}}, needs {self.needs}"
 
 
 class Numeric(Leaf):
@@ -89,9 +106,21 @@ class Numeric(Leaf):
 
     expected = "a number"
 
-    def __init__(self, ranges: Sequence[Range], text: str) -> None:
+    def __init__(
+        self,
+        ranges: Sequence[Range],
+        text: str,
+        needs: str = "",  # the same in the short form, in the unit of the model
+        unit: str = "",
+        factor: tuple[int, int] = (1, 1),  # a value times this is in that unit
+    ) -> None:
         self.ranges = ranges
         self.covered_text = text
+        self.needs, self.unit, self.factor = needs or text, unit, factor
+
+    def _wrong(self, value: Any) -> str:
+        text = shown(value * self.factor[0] / self.factor[1], self.unit)
+        return f"{text} for {{since}}, needs {self.needs}"
 
     def _covers(self, value: object) -> bool | None:
         if isinstance(value, bool) or not isinstance(value, (int, float)):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, Iterable, Mapping, Sequence
+from typing import Callable, Dict, Iterable, Iterator, Mapping, Sequence
 
 from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Json, Monitor, Standing, Tree, Value, finite
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
+from ..why import FALSE, TEXTS, TRUE, UNKNOWN, Cause, figure
 from .component import (
     NAN,
     NOTHING,
@@ -100,7 +101,7 @@ class Reliability(Monitor[ReliabilityResult]):
         None, NaN and what is of another kind are unknown; without a time the step is not valid.
         """
         look_again(eddi_input, t_ns)
-        self._source = eddi_input
+        self._source, self._at = eddi_input, t_ns
         now = step_time(t_ns)
         self._faults = {}
         values = self._read(eddi_input)
@@ -235,6 +236,33 @@ class Reliability(Monitor[ReliabilityResult]):
             "evidence": rows,
             "accepted": list(self.accepted()),
         }
+
+    def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
+        for one in self._evidence:
+            verdict = TRUE if one.active else UNKNOWN if one.possible else FALSE
+            yield one.id, verdict, () if one.active else self._causes(one)
+
+    def _causes(self, one: Evidence) -> list[Cause]:
+        result, limit = self._result, one.threshold.activate
+        low, high, tail = result.p_fail_low, result.p_fail_high, f"limit {figure(limit)}"
+        if not one.possible:
+            text, since = f"p_fail {figure(low)} for {{since}}, {tail}", self._lasting(one.lost)
+            return [Cause((), "false", text, since=since, limit=limit)]
+        trouble = "" if result.reason == _UNKNOWN_INPUTS else result.reason
+        if not result.valid and (trouble or not self.worst_case):
+            detail = f"p_fail {figure(low)} .. {figure(high)}, {tail}"
+            causes: list[Cause] = []
+            specs = {spec.id: spec for spec in self.inputs}
+            unknown = [specs[name] for name in result.unknown if name in specs]
+            for spec in sorted(unknown, key=lambda spec: -self._known_for(spec)):
+                own = Cause((), "invalid", self._faults.get(spec.id, "no value"))
+                causes += self._of_input(spec, UNKNOWN, self._known_for(spec), own)
+            causes = [cause.because(cause.state, cause.text, detail) for cause in causes]
+            return [*causes, *([Cause((), "invalid", trouble)] if trouble else [])]
+        if not high <= limit:
+            return [Cause((), "false", f"p_fail {figure(high)}, {tail}", limit=limit)]
+        hold = one.threshold.hold_ns / 1e9
+        return [Cause((), "hold", TEXTS["hold"], since=self._lasting(one.since), limit=hold)]
 
     def standings(self) -> list[Standing]:
         return [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Iterable, Mapping, NamedTuple
+from typing import Any, Iterable, Iterator, Mapping, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from ..history import Messages
 from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Monitor, Standing, Tree, finite
 from ..plain_values import Absent, read
+from ..why import FALSE, TRUE, UNKNOWN, Cause, figure
 from .arrays import NUMPY, Array, Axes, Numbers, array_of, take, torch_or_numpy
 from .comparison import Comparison, Tail, Window
 
@@ -108,6 +109,7 @@ class SafeML(Monitor[SafeMLResult]):
         self._accepted = self._rejected = 0
         self._accepted_ns: int | None = None
         self._violation = self._judged = False
+        self._violated: int | None = None  # when it began
         self._fault, self._timeless = "", False
         self._source = None
         self._last = self._result(FILLING)
@@ -119,7 +121,7 @@ class SafeML(Monitor[SafeMLResult]):
         numbers; None: nothing is known of the source. Time is asked for ``max_age`` only.
         """
         look_again(eddi_input, t_ns)
-        self._source = eddi_input
+        self._source, self._at = eddi_input, t_ns
         now = step_time(t_ns)
         self._timeless = now is None and self.max_age is not None
         if self._timeless:
@@ -159,7 +161,10 @@ class SafeML(Monitor[SafeMLResult]):
             self._statistics = self._window.statistics()
         test = int(self._statistics.argmax())
         largest = self._statistics[test]
-        self._judged, self._violation = True, bool(largest >= self.threshold)
+        violation = bool(largest >= self.threshold)
+        if violation and not self._violation:
+            self._violated = step_time(self._at)
+        self._judged, self._violation = True, violation
         value = self._comparison.value(largest)
         return self._result("", value, test, min(1.0, self._comparison.tests * self.tail(value)))
 
@@ -233,6 +238,23 @@ class SafeML(Monitor[SafeMLResult]):
         }
         del fields["significance_level"]
         return "SafeMLStatus", fields
+
+    def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
+        last, spec = self._last, self.inputs[0]
+        if not last.omission:
+            limit, since = last.threshold, self._lasting(self._violated)
+            text = f"statistic {figure(last.statistic)} for {{since}}, limit {figure(limit)}"
+            wrong = [Cause((), "false", text, since=since, limit=limit)]
+            yield "in_scope", FALSE if last.odd_violation else TRUE, wrong
+            return
+        reason, words = self.omission()
+        own = Cause((), "invalid", words or "no value")
+        since = self._known_for(spec)
+        causes = self._of_input(spec, UNKNOWN, since if math.isfinite(since) else 0.0, own)
+        if reason == FILLING and causes[0].text == own.text:  # its messages come
+            text = f"window has {self._window.filled} of {self.window_size} samples"
+            causes = [Cause((), "window", text, since=causes[0].since)]
+        yield "in_scope", UNKNOWN, causes
 
     def standings(self) -> list[Standing]:
         if self._last.omission:
