@@ -13,7 +13,6 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputQos, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.input_rules import kind_of_message
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, STATUS, Publication, publications
 from eddi_scaffold.monitors.robots import check_fleet, fleet_answers, fleet_message
 
@@ -49,7 +48,8 @@ class MonitorNode:
         """Return the topics on which it tells and reads why claims are as they are."""
         results = [topic for topic in self.publications if not (topic.of or topic.path)]
         own = [topic.output.topic for topic in results or self.publications[:1]]
-        heard = [s.topic for s in self.subscribed if kind_of_message(s.type) is not None]
+        reading = {source for binding in self.monitor.inputs for source, _ in binding.claims}
+        heard = [source.topic for source in self.subscribed if source.id in reading]
         told, read = (list(dict.fromkeys(map(_why_topic, names))) for names in (own, heard))
         return told, read
 

@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 2})
-# sha256 of the lines below: eec9e07b1a6e72d9375e1e3521b1873ee19aa65a67ce4e01c68d5d7948d3afc1
+# sha256 of the lines below: 50017d3223eed63a445d37dab718ca70c68089ce1a7f00ef6b1608fb06136b19
 
 
 # Markov Rotors
@@ -98,8 +98,20 @@ class Monitor(reliability.Reliability):
     model_id = "MissionLoss"
     digest = "6e1aa2e5bbb05a171d23cf7710b16c10d09d2f733e4e96fb4cf5f6f96fc9c935"
     inputs = (
-        InputSpec("rotors_ok", "rotors_ok", requires=("rotors",), max_age=1.0),
-        InputSpec("MissionLoss_Link", "MissionLoss_Link", requires=("link_lost",), max_age=1.0),
+        InputSpec(
+            "rotors_ok",
+            "rotors_ok",
+            requires=("rotors",),
+            max_age=1.0,
+            topics=("/drone/rotors_ok",),
+        ),
+        InputSpec(
+            "MissionLoss_Link",
+            "MissionLoss_Link",
+            requires=("link_lost",),
+            max_age=1.0,
+            topics=("/drone/link_lost",),
+        ),
     )
     rules = {"rotors_ok": reliability.Rule("bool"), "MissionLoss_Link": reliability.Rule("bool")}
     top = "MissionLoss"

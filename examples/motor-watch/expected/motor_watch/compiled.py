@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, event, expressions
 from .eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: db5a75f0d152e7c8f99d9a49305643d60311cce5c01b9b1e3c088ea66f8701e3
+# sha256 of the lines below: 84accf56b2ffe3c8dda81bd4bbf7a8be9e526cb8a3c28a9fccee607e2d5b75a0
 INF = float("inf")
 NAN = float("nan")
 
@@ -18,11 +18,24 @@ class Monitor(event.EventMonitor):
     model_id = "motor_watch"
     digest = "5f97ee7d18baac41c3400fb68454888b9a5915166c8e701172134fb74e000300"
     inputs = (
-        InputSpec("temp", "temp", requires=("temperature",), max_age=0.5),
-        InputSpec("current", "current", requires=("current",), max_age=0.5),
+        InputSpec(
+            "temp",
+            "temp",
+            requires=("temperature",),
+            max_age=0.5,
+            topics=("/motor/temperature",),
+        ),
+        InputSpec(
+            "current",
+            "current",
+            requires=("current",),
+            max_age=0.5,
+            topics=("/motor/current",),
+        ),
     )
     types = ("number", "number")
     limits = ((-40.0, 200.0, False), (-INF, INF, False))
+    units = ("degC", "A")
     events = (event.Event("MotorFit", False, (0, 1)),)
 
     def __init__(self):

@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 3})
-# sha256 of the lines below: d7bd13d37422421c1895ed8bcdc209200f98ad1b055fe7cd3d01fabc470236ad
+# sha256 of the lines below: 687ff7f0e77769d474ac5118f4f89e630762666baa4b2bd81a1f0cc43b98e7e3
 
 
 def part_0_0_total(v):
@@ -179,8 +179,20 @@ class Monitor(bayesian_network.BayesianNetworkMonitor):
     model_id = "pedestrian_prediction_example"
     digest = "e44704def37c3255062c078c6bd73c6970f5d98a9388599e0bf43a735ef7ebc6"
     inputs = (
-        InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
-        InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),
+        InputSpec(
+            "vehicleSpeed",
+            "vehicleSpeed",
+            requires=("speed",),
+            max_age=0.5,
+            topics=("/vehicle/speed",),
+        ),
+        InputSpec(
+            "pedestrianDistance",
+            "pedestrianDistance",
+            requires=("distance",),
+            max_age=0.5,
+            topics=("/pedestrian/distance",),
+        ),
     )
     nodes = (
         # 0 //@nodes.0

@@ -8,13 +8,21 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, safeml
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, safeml: 1})
-# sha256 of the lines below: 949d61c9b576b4192086e41dcfa140c7de8a21fdcec6e7685c4576dc609ced63
+# sha256 of the lines below: 61cd95eb04e74655d649916d94a386f1e032a7d1931803c2eba186bef6d39224
 
 
 class Monitor(safeml.SafeML):
     model_id = "camera_scope"
     digest = "7500162b9003eb76a12fbe8c6926bea14a6c6e884246d1afae2c597de49a368e"
-    inputs = (InputSpec("frame", "frame", requires=("features",), every_message=True),)
+    inputs = (
+        InputSpec(
+            "frame",
+            "frame",
+            requires=("features",),
+            every_message=True,
+            topics=("/camera/features",),
+        ),
+    )
     metric = "ad"
     metric_name = "AndersonDarlingDistance"
     window_size = 50

@@ -113,8 +113,8 @@ class Health:
         """Have the monitor tell what it makes of its inputs."""
         core, causes = self._monitor, {}
         for spec, (state, reason) in zip(self._inputs, states):
-            if state == INVALID:
-                causes[spec.id] = [Cause((), "invalid", reason)]
+            if state in (INVALID, LATCHED):
+                causes[spec.id] = [Cause((), state, reason or "age unknown")]
             elif state != FRESH:
                 causes[spec.id] = self._eddi_input.why(spec, UNKNOWN, 0.0, core.topics)
         why, kind = core.why(), core.kind

@@ -8,7 +8,7 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 666ad21291c92780362e7f345f4ba25ea3da84fb2bdd30f357319f3570817f1d
+# sha256 of the lines below: 2bb11050a29aed4978f910e92811c297ba86d8ac91c6da2c04f36bc7d53d312d
 INF = float("inf")
 
 
@@ -24,7 +24,7 @@ class Monitor(consert.ConSert):
     )
     leaves = (
         consert.Binary(),
-        consert.Numeric(((2.5, INF, True),), "[2.50, inf] m"),
+        consert.Numeric(((2.5, INF, True),), "[2.50, inf] m", "at least 2.50 m", "m"),
         consert.Binary(),
         consert.Binary(),
         consert.Categorical("crawl", "no"),
@@ -56,7 +56,7 @@ class Monitor(consert.ConSert):
             )
         except Exception:
             raw = self.read(source)
-        self.raw, self.source = raw, source
+        self.raw, self._source = raw, source
         MapKnown, Distance, v2, v3, Mode = raw
         # MapKnown
         if MapKnown is True:
@@ -94,6 +94,7 @@ class Monitor(consert.ConSert):
         Any = v3 if v3 > Mode else Mode
         if All > Any:
             Any = All
+        self.values = (MapKnown, Distance, v2, v3, Mode)
         return (
             All == 2,  # FastDrive
             Any == 2,  # SlowDrive
@@ -103,6 +104,9 @@ class Monitor(consert.ConSert):
     def execute_step(self, source, t_ns=None):
         eddi_runtime.look_again(source, t_ns)
         FastDrive, SlowDrive, StandStill = self.step(source)
+        self._at = t_ns
+        if self.values != self.known:
+            self.changed()
         return [
             {"id": "FastDrive", "active": FastDrive},
             {"id": "SlowDrive", "active": SlowDrive},

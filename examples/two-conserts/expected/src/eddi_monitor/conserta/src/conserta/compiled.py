@@ -8,7 +8,7 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: d376118112be2d080ebd223c19693da653267690c87c2d8cd27a214f6555b541
+# sha256 of the lines below: b25fdab5cdf8c69204712924c021c12fc2a680599c5d923bb630c0cc392b6be2
 
 
 class Monitor(consert.ConSert):
@@ -16,9 +16,24 @@ class Monitor(consert.ConSert):
     digest = "3856604844fdd70abeb0add85589cba170813606f7d56b2d8af85ac67497e6e3"
     inputs = (
         # //@odeProductPackages.0/@conSerts.0/@demands.0
-        InputSpec("RtE_A_D0", "RtE_A_D0", requires=("consertb",), max_age=0.5, default=False),
+        InputSpec(
+            "RtE_A_D0",
+            "RtE_A_D0",
+            requires=("consertb",),
+            max_age=0.5,
+            default=False,
+            topics=("/consertb/guarantees",),
+            claims=(("consertb", "System_A_G0_c2"),),
+        ),
         # //@odeProductPackages.0/@conSerts.0/@runtimeEvidence.0
-        InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),
+        InputSpec(
+            "RtE_A_E0",
+            "RtE_A_E0",
+            requires=("RtE_E0",),
+            max_age=2.0,
+            default=False,
+            topics=("/rte/e0a",),
+        ),
     )
     leaves = (consert.Binary(), consert.Binary())
     # Paths: the smallest sets of inputs of which each gives the guarantee.
@@ -33,7 +48,7 @@ class Monitor(consert.ConSert):
             raw = (source.RtE_A_D0, source.RtE_A_E0)
         except Exception:
             raw = self.read(source)
-        self.raw, self.source = raw, source
+        self.raw, self._source = raw, source
         RtE_A_D0, RtE_A_E0 = raw
         # RtE_A_D0: //@odeProductPackages.0/@conSerts.0/@demands.0
         if RtE_A_D0 is True:
@@ -47,6 +62,7 @@ class Monitor(consert.ConSert):
             RtE_A_E0 = 0 if RtE_A_E0 is False else 1 if RtE_A_E0 is None else self.judge(1, RtE_A_E0)
         # And System_A_AND: //@odeProductPackages.0/@conSerts.0/@consertGates.0
         System_A_AND = RtE_A_E0 if RtE_A_E0 < RtE_A_D0 else RtE_A_D0
+        self.values = (RtE_A_D0, RtE_A_E0)
         return (
             RtE_A_E0 == 2,  # System_A_G0: //@odeProductPackages.0/@conSerts.0/@guarantees.0
             System_A_AND == 2,  # System_A_G1: //@odeProductPackages.0/@conSerts.0/@guarantees.1
@@ -55,6 +71,9 @@ class Monitor(consert.ConSert):
     def execute_step(self, source, t_ns=None):
         eddi_runtime.look_again(source, t_ns)
         System_A_G0, System_A_G1 = self.step(source)
+        self._at = t_ns
+        if self.values != self.known:
+            self.changed()
         return [
             {"id": "System_A_G0", "active": System_A_G0},
             {"id": "System_A_G1", "active": System_A_G1},
