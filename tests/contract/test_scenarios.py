@@ -29,7 +29,7 @@ def calm_down(stage, *topics):
 
 def test_nothing_is_known_at_the_start(stage):
     stage.until()
-    _, values = stage.told("/in/healthy: no message yet, ", "(nobody publishes it")
+    _, values = stage.told("s after the start (nobody publishes it")
     assert [values[one] for one in ("Healthy", "Clear", "Mode")] == ["missing"] * 3
     assert stage.verdicts(0) == "none"
 
@@ -71,8 +71,11 @@ def test_silence_and_a_return(stage):
     stage.source.do("stop", topic=HEALTHY)
     stage.until()
     stage.told("/in/healthy: nothing for ")
+    late = "lost Slow <- Healthy <- /in/healthy: nothing for"
+    until(lambda: late in stage.robot.text and "(its publisher is there)" in stage.robot.text)
     stage.feed(stage.source, HEALTHY, BOOL, True)
     stage.until("Slow")
+    until(lambda: "again Slow after" in stage.robot.text)
     calm_down(stage, HEALTHY)
     assert stage.verdicts(mark) == "none Slow none Slow none"
 
@@ -95,6 +98,8 @@ def test_a_publisher_that_ends_is_said_to_be_gone(stage):
     other.popen.send_signal(signal.SIGINT)
     stage.until()
     stage.told("/in/mode: publisher gone ")
+    until(lambda: "lost Calm <- Mode <- /in/mode: nothing for" in stage.robot.text)
+    until(lambda: "still Calm <- Mode <- /in/mode: publisher gone" in stage.robot.text)
 
 
 def test_of_two_publishers_the_living_one_counts(stage):

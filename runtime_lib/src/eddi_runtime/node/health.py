@@ -57,6 +57,7 @@ class Health:
         self._hazards = frozenset(event.id for event in events if event.hazard)
         self._last_step = time.monotonic()
         self._first_step: float | None = None
+        self._waiting = True  # for first messages: the grace of the start is not over
         self._seen = _Seen(self._last_step)
         self._asked = _Asked(-math.inf, report.MonitorFact())
         self._output: object = None
@@ -78,7 +79,8 @@ class Health:
             self._first_step = now
         self._steps += 1
         self._longest = max(self._longest, duration)
-        states = self._input_states(receipts, waiting=self._waiting(now))
+        self._waiting = now - self._first_step < self._grace
+        states = self._input_states(receipts)
         for spec, (state, reason) in zip(self._inputs, states):
             if state == INVALID:
                 self._errors[spec.id] = self._errors.get(spec.id, 0) + 1
@@ -106,9 +108,6 @@ class Health:
         except Exception:  # noqa: BLE001 - a person may have made it
             return output
 
-    def _waiting(self, now: float) -> bool:
-        return self._first_step is None or now - self._first_step < self._grace
-
     def _ask(self, states: Sequence[tuple[str, str]], now: float) -> None:
         """Have the monitor tell what it makes of its inputs."""
         core, causes = self._monitor, {}
@@ -131,10 +130,10 @@ class Health:
         while self._changes:
             change = self._changes.popleft()
             why = self._explained(change, graph, change.at)
-            self._log.note(why, change.at, self._waiting(change.at))
+            self._log.note(why, change.at, self._waiting)
         now = time.monotonic()
         why = self._explained(self._asked, graph, now)
-        self._log.note(why, now, self._waiting(now))
+        self._log.note(why, now, self._waiting)
         self._log.write(why, now)
         return why
 
@@ -155,7 +154,7 @@ class Health:
         return rows
 
     def _of_node(self, cause: Cause, graph: GraphFact, now: float) -> Cause:
-        if cause.state == "never" and self._waiting(now):
+        if cause.state == "never" and self._waiting:
             began = now if self._first_step is None else self._first_step
             cause = cause._replace(since=now - began, limit=self._grace).because("waiting")
         return graph.explained(cause)
@@ -172,9 +171,7 @@ class Health:
             self._logged[about] = (reason, now)
             LOG.error("%s: %s%s", about, reason, "\n" + trace.rstrip() if trace else "")
 
-    def _input_states(
-        self, receipts: Mapping[str, Receipt], *, waiting: bool
-    ) -> tuple[tuple[str, str], ...]:
+    def _input_states(self, receipts: Mapping[str, Receipt]) -> tuple[tuple[str, str], ...]:
         faults = self._monitor.faults()
         states: list[tuple[str, str]] = []
         for spec in self._inputs:
@@ -188,7 +185,7 @@ class Health:
                 state, reason = INVALID, "the value is NaN"
             elif state == FRESH and any(receipt.age == UNKNOWN_AGE for receipt in present):
                 state = LATCHED
-            elif state == NEVER and waiting:
+            elif state == NEVER and self._waiting:
                 state = WAITING
             states.append((state, reason))
         return tuple(states)
