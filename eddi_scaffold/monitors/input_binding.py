@@ -103,7 +103,11 @@ class InputBinding:
 
     def compiled(self, package: str) -> BoundInput:
         """Return what is compiled of it, for a package."""
-        topics = tuple(full_topic(source.topic, "", package) for source in self.requires)
+        topics = {
+            source.id: full_topic(source.topic, "", package)
+            for source in self.requires
+            if source.topic
+        }
         return BoundInput(
             self.model.id,
             self.attribute,
@@ -113,7 +117,7 @@ class InputBinding:
             self.default,
             self.model.every_message,
             self.computed,
-            topics=topics if any(source.topic for source in self.requires) else (),
+            topics=topics,
             claims=self.claims,
         )
 

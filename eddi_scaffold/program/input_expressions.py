@@ -50,8 +50,8 @@ class BoundInput:
     every_message: bool = False
     expression: Mapping[str, Any] | None = None
     accepts: tuple[str, ...] = ()
-    # for people only, so no part of what is computed
-    topics: tuple[str, ...] = field(default=(), compare=False)
+    # for people only, so no part of what is computed: topics of ``requires``, claims that it reads
+    topics: Mapping[str, str] = field(default_factory=dict, compare=False)
     claims: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
 

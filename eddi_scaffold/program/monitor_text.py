@@ -60,11 +60,13 @@ def head_lines(base: str, declaration: Declaration, paths: Mapping[str, str]) ->
         Item(_spec(input_, classes.get(input_.id)), above=comment(paths.get(input_.id, "")))
         for input_ in declaration.inputs
     )
+    topics = {id_: topic for input_ in declaration.inputs for id_, topic in input_.topics.items()}
     return [
         f"class Monitor({base}):",
         f"    model_id = {text_literal(declaration.model_id)}",
         f'    digest = "{declaration.digest}"',
         *assignment("inputs", tuple_of(rows), 4),
+        *(assignment("topics", literal(topics), 4) if topics else ()),
     ]
 
 
@@ -119,7 +121,6 @@ def _spec(input_: BoundInput, expression: str | None) -> Part:
         "default": input_.default,
         "every_message": input_.every_message or None,
         "accepts": input_.accepts or None,
-        "topics": input_.topics or None,
         "claims": input_.claims or None,
     }
     named = {key: literal(value) for key, value in values.items() if value is not None}

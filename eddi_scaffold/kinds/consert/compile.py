@@ -196,9 +196,7 @@ class _Compilation:
             lines += ["        try:", *py.assignment("raw", reads, 12)]
             lines += ["        except Exception:", "            raw = self.read(source)"]
             lines += ["        self.raw, self._source = raw, source", *py.unpacked(leaves, "raw")]
-        lines += printer.operations()
-        lines += py.assignment("self.values", py.tuple_of(leaves), 8) if leaves else []
-        lines += printer.flags()
+        lines += [*printer.operations(), *printer.flags()]
         if not self.consert.guarantees:
             return lines
         # The method that names the flags (SESAME D7.2 Fig 9).
@@ -216,8 +214,7 @@ class _Compilation:
         lines += ["", "    def execute_step(self, source, t_ns=None):"]
         lines += ["        eddi_runtime.look_again(source, t_ns)"]
         lines += py.unpacked(flags, "self.step(source)")
-        lines += ["        self._at = t_ns", "        if self.values != self.known:"]
-        lines += ["            self.changed()"]
+        lines += ["        self.look(t_ns)"]
         return [*lines, *py.returned(py.Group("[", tuple(rows), "]"), 8)]
 
 

@@ -53,7 +53,6 @@ class InputSpec(NamedTuple):
     expression: Callable[[], Any] | None = None
     # keys but ``max_age: none`` by which a value of it is accepted that is not confirmed
     accepts: tuple[str, ...] = ()
-    topics: tuple[str, ...] = ()  # of ``requires``, for people
     # claims of other monitors that it reads: a SimulatorOutput id, and the id of the claim, empty
     # for that which the message names
     claims: tuple[tuple[str, str], ...] = ()

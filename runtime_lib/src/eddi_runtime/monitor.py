@@ -114,7 +114,7 @@ class Monitor(Protocol[Output]):
     digest: str  # SHA-256 of what the monitor computes; robots compare it
     kind: str  # name of the kind (``consert``)
     inputs: tuple[InputSpec, ...]  # what ``execute_step`` reads, one attribute each
-    topics: Mapping[str, str] = {}  # SimulatorOutput id -> full name, where a node knows it
+    topics: Mapping[str, str] = {}  # SimulatorOutput id -> its topic; a node sets full names
     _source: object = None  # what the last step was given
     _at: object = None  # the time that it was given
     _output_faults: tuple[str, ...] = ()
@@ -174,13 +174,11 @@ class Monitor(Protocol[Output]):
 
     def _of_input(self, spec: InputSpec, verdict: int, since: float, own: Cause) -> list[Cause]:
         """Return why an input is FALSE or UNKNOWN for some seconds; ``own``: by its value."""
-        names = dict(zip(spec.requires, spec.topics))
-        names.update((name, self.topics[name]) for name in spec.requires if name in self.topics)
         source: Any = self._source
         causes: list[Cause] = []
         if _has_states(source):
-            causes = source.why(spec, verdict, since, {**self.topics, **names})
-        causes = causes or [of_topic(spec, names, own._replace(since=since))]
+            causes = source.why(spec, verdict, since, self.topics)
+        causes = causes or [of_topic(spec, self.topics, own._replace(since=since))]
         return [cause.under(spec.id) for cause in causes]
 
     def _known_for(self, *specs: InputSpec) -> float:

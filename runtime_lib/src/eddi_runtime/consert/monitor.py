@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # travels where a monitor has one
     from .search import Graph
 
 Rows = List[Dict[str, object]]
+_NEVER = -1  # truth of an input before the first step
 
 
 class ConSert(Monitor[Rows]):
@@ -39,11 +40,10 @@ class ConSert(Monitor[Rows]):
     graph: Graph | None = None  # where the sets of a guarantee are too many to be written down
     services: tuple[tuple[str, tuple[str, ...]], ...] = ()  # each with ids of its guarantees
     raw: Sequence[object]  # of the last step, ``Absent`` where an input could not be read
-    values: Sequence[int]  # truth of the inputs in the last step, filtered
-    known: Sequence[int | None]  # the same when they were looked at last; None before
+    _seen: Sequence[object]  # ``raw``, or what the filter gave, when they were looked at last
+    # truth of each input then, from when on it has been that, and from when on it is not TRUE
+    _noted: list[tuple[int, int | None, int | None]]
     _found: Sets | None
-    _began: list[int | None]  # time from which on each has had its value
-    _lost: list[int | None]  # time from which on it has not been TRUE
 
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
         self.filter = leaf_filter  # of the truth values of the inputs
@@ -57,10 +57,9 @@ class ConSert(Monitor[Rows]):
     def step(self, source: object) -> tuple[bool, ...]:
         """Return active flags in file order; never raises. Small models write this out."""
         self.raw, self._source = self.read(source), source
-        values = tuple([self.judge(k, value) for k, value in enumerate(self.raw)])
+        values: Sequence[int] = [self.judge(k, value) for k, value in enumerate(self.raw)]
         if self.filter is not None:
             values = self.filter.apply(values)
-        self.values = values
         sets = self._sets_of(values)
         return tuple([sets.value(guarantee) == TRUE for guarantee in self.guarantees])
 
@@ -77,39 +76,46 @@ class ConSert(Monitor[Rows]):
         """
         look_again(eddi_input, t_ns)
         flags = self.step(eddi_input)
-        self._at = t_ns
-        if self.values != self.known:
-            self.changed()
+        self.look(t_ns)
         return [{"id": id_, "active": flag} for id_, flag in zip(self.published_ids, flags)]
 
-    def changed(self) -> None:
-        """Note when inputs became what they are, because one has another value than before."""
-        now = step_time(self._at)
-        for k, (value, before) in enumerate(zip(self.values, self.known)):
-            if value != before:
-                self._began[k] = now
-                if before in {TRUE, None}:
-                    self._lost[k] = now
-        self.known = self.values
+    def look(self, t_ns: int | None) -> None:
+        """Note at the end of a step since when inputs are what they are, where one is another."""
+        self._at = t_ns
+        seen: Sequence[object] = self.raw if self.filter is None else self.filter.values
+        try:
+            if seen == self._seen:
+                return
+        except Exception:  # noqa: BLE001, S110 - values may compare as they like
+            pass
+        now = step_time(t_ns)
+        for k, (value, before) in enumerate(zip(seen, self._seen)):
+            if value is not before:
+                truth = self.judge(k, value) if self.filter is None else self.filter.values[k]
+                last, began, lost = self._noted[k]
+                if truth != last:
+                    began, lost = now, now if last in (TRUE, _NEVER) else lost
+                self._noted[k] = truth, began, lost
+        self._seen = seen
 
     def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
         """Return the causes of the set of inputs that is nearest to TRUE, for each guarantee."""
-        sets = self._sets()
+        sets, values = self._sets(), self._leaf_values()
+
+        def distance(group: list[int]) -> tuple[object, ...]:
+            return -min([values[k] for k in group], default=TRUE), len(group), sorted(group)
+
         places = {name: k for k, name in enumerate(self._input_ids)}
         for one, name in zip(self.guarantees, self.published_ids):
             if not one.default:
                 groups = [[places[id_] for id_ in group] for group in sets.missing(one)[0]]
-                nearest = min(groups, key=self._distance, default=[])
-                nearest.sort(key=lambda k: (self._lost[k] or 0, k))
+                nearest = min(groups, key=distance, default=[])
+                nearest.sort(key=lambda k: (self._noted[k][2] or 0, k))
                 yield name, sets.value(one), [c for k in nearest for c in self._of_leaf(k)]
-
-    def _distance(self, group: list[int]) -> Any:
-        """Return how far a set of inputs is from being TRUE."""
-        return -min([self.values[k] for k in group], default=TRUE), len(group), sorted(group)
 
     def _of_leaf(self, k: int) -> list[Cause]:
         value, why = self.leaves[k].judge(self.raw[k])
-        since = self._lasting(self._began[k])
+        since = self._lasting(self._noted[k][1])
         if value == TRUE and self.filter is not None:
             own = Cause((), "hold", self.filter.waiting(k))
             return [own._replace(path=(self._input_ids[k],), since=since)]
@@ -126,7 +132,7 @@ class ConSert(Monitor[Rows]):
 
     def input_verdicts(self) -> dict[str, str]:
         """Return input id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step, filtered."""
-        return {spec.id: NAMES[v] for spec, v in zip(self.inputs, self.values)}
+        return {spec.id: NAMES[v] for spec, v in zip(self.inputs, self._leaf_values())}
 
     def best_guarantees(self) -> dict[str, str | None]:
         """Return service id -> its best active guarantee, None when none is active.
@@ -189,7 +195,7 @@ class ConSert(Monitor[Rows]):
     def reasons(self) -> dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
         reasons, states = {}, states_of(self._source)
-        rows = zip(self._input_ids, self.leaves, self.raw, self.values)
+        rows = zip(self._input_ids, self.leaves, self.raw, self._leaf_values())
         for k, (name, leaf, raw, filtered) in enumerate(rows):
             if filtered == TRUE:
                 continue
@@ -218,7 +224,7 @@ class ConSert(Monitor[Rows]):
         found = accepted(self.inputs, self._source)
         if self.filter is None or not self.filter.accepts:
             return found
-        rows = zip(self.inputs, self.values, self._judgements())
+        rows = zip(self.inputs, self.filter.values, self._judgements())
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
         return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
 
@@ -274,8 +280,7 @@ class ConSert(Monitor[Rows]):
         if self.filter is not None:
             self.filter.reset(len(self.inputs))
         size = len(self.inputs)
-        self.values, self.known = (UNKNOWN,) * size, (None,) * size
-        self._began, self._lost = [None] * size, [None] * size
+        self._seen, self._noted = (_NEVER,) * size, [(_NEVER, None, None)] * size
         self.raw = (ABSENT,) * len(self.inputs)
         self._source = self._at = None
         self._output_faults = ()
@@ -284,9 +289,15 @@ class ConSert(Monitor[Rows]):
     def _judgements(self) -> list[Judgement]:
         return [leaf.judge(raw) for leaf, raw in zip(self.leaves, self.raw)]
 
+    def _leaf_values(self) -> Sequence[int]:
+        if self.filter is not None:
+            return self.filter.values
+        return [value for value, _ in self._judgements()]
+
     def _sets(self) -> Sets:
-        if self._found is None or self._found.leaf_values != self.values:
-            self._found = self._sets_of(self.values)
+        leaf_values = tuple(self._leaf_values())
+        if self._found is None or self._found.leaf_values != leaf_values:
+            self._found = self._sets_of(leaf_values)
         return self._found
 
     def _sets_of(self, leaf_values: Sequence[int]) -> Sets:
