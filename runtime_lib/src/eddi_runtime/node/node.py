@@ -123,7 +123,8 @@ class Node:
             own()
             self._health.log_error(about, "")
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything
-            self._health.log_error(about, one_line(caught), traceback.format_exc())
+            if not self.ending.begun:
+                self._health.log_error(about, one_line(caught), traceback.format_exc())
 
     # What a transport adds.
 
@@ -325,7 +326,7 @@ class Node:
     def _tell_why(self, graph: GraphFact, periodic: bool) -> None:
         why = self._health.told(graph)
         reasons, lacks = first_reasons(why), any(row.verdict != TRUE for row in why.values())
-        if reasons != self._told or (periodic and lacks):
+        if self._publish_why and (reasons != self._told or (periodic and lacks)):
             self._told = reasons
             message = self._converter.message(why_tree(self._core.model_id, why))
             for publish in self._publish_why:
