@@ -245,7 +245,7 @@ def promises_that_are_broken(stage):
         stage.feed(stage.source, topic, "std_msgs/Bool", True, **promise)
         stage.ear.diagnostics(name, lambda _, __, found, one=one: found[one] == "ok", 10.0, mark)
         stage.source.do("stop", topic=topic)
-        stage.told(f"s old, the limit is 0.8 s (its publisher {words}", name, after=mark)
+        stage.told(f"limit 0.8 s (its publisher {words}", name, after=mark)
 
 
 def in_another_partition(stage):
