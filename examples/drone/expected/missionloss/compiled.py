@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 2})
-# sha256 of the lines below: 50017d3223eed63a445d37dab718ca70c68089ce1a7f00ef6b1608fb06136b19
+# sha256 of the lines below: db1234d8d32012efc7404d4d6c765a9f24f3a3fc99f4c7eb0dee3596323e9fc7
 
 
 # Markov Rotors
@@ -98,21 +98,10 @@ class Monitor(reliability.Reliability):
     model_id = "MissionLoss"
     digest = "6e1aa2e5bbb05a171d23cf7710b16c10d09d2f733e4e96fb4cf5f6f96fc9c935"
     inputs = (
-        InputSpec(
-            "rotors_ok",
-            "rotors_ok",
-            requires=("rotors",),
-            max_age=1.0,
-            topics=("/drone/rotors_ok",),
-        ),
-        InputSpec(
-            "MissionLoss_Link",
-            "MissionLoss_Link",
-            requires=("link_lost",),
-            max_age=1.0,
-            topics=("/drone/link_lost",),
-        ),
+        InputSpec("rotors_ok", "rotors_ok", requires=("rotors",), max_age=1.0),
+        InputSpec("MissionLoss_Link", "MissionLoss_Link", requires=("link_lost",), max_age=1.0),
     )
+    topics = {"rotors": "/drone/rotors_ok", "link_lost": "/drone/link_lost"}
     rules = {"rotors_ok": reliability.Rule("bool"), "MissionLoss_Link": reliability.Rule("bool")}
     top = "MissionLoss"
     uses = ("rotors_ok", "MissionLoss_Link")

@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, event, expressions
 from .eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: 84accf56b2ffe3c8dda81bd4bbf7a8be9e526cb8a3c28a9fccee607e2d5b75a0
+# sha256 of the lines below: d0aaa55f621c1346b8100ed1ab3f7eec45872b6fb2ae38fddf1b66af29bd20f9
 INF = float("inf")
 NAN = float("nan")
 
@@ -18,21 +18,10 @@ class Monitor(event.EventMonitor):
     model_id = "motor_watch"
     digest = "5f97ee7d18baac41c3400fb68454888b9a5915166c8e701172134fb74e000300"
     inputs = (
-        InputSpec(
-            "temp",
-            "temp",
-            requires=("temperature",),
-            max_age=0.5,
-            topics=("/motor/temperature",),
-        ),
-        InputSpec(
-            "current",
-            "current",
-            requires=("current",),
-            max_age=0.5,
-            topics=("/motor/current",),
-        ),
+        InputSpec("temp", "temp", requires=("temperature",), max_age=0.5),
+        InputSpec("current", "current", requires=("current",), max_age=0.5),
     )
+    topics = {"temperature": "/motor/temperature", "current": "/motor/current"}
     types = ("number", "number")
     limits = ((-40.0, 200.0, False), (-INF, INF, False))
     units = ("degC", "A")

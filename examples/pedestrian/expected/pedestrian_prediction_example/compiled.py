@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 3})
-# sha256 of the lines below: 687ff7f0e77769d474ac5118f4f89e630762666baa4b2bd81a1f0cc43b98e7e3
+# sha256 of the lines below: 63ab828a943eee3805ee505968d4c9ca3d4d65d12590eb892432cc87d9450c9e
 
 
 def part_0_0_total(v):
@@ -179,21 +179,10 @@ class Monitor(bayesian_network.BayesianNetworkMonitor):
     model_id = "pedestrian_prediction_example"
     digest = "e44704def37c3255062c078c6bd73c6970f5d98a9388599e0bf43a735ef7ebc6"
     inputs = (
-        InputSpec(
-            "vehicleSpeed",
-            "vehicleSpeed",
-            requires=("speed",),
-            max_age=0.5,
-            topics=("/vehicle/speed",),
-        ),
-        InputSpec(
-            "pedestrianDistance",
-            "pedestrianDistance",
-            requires=("distance",),
-            max_age=0.5,
-            topics=("/pedestrian/distance",),
-        ),
+        InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
+        InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),
     )
+    topics = {"speed": "/vehicle/speed", "distance": "/pedestrian/distance"}
     nodes = (
         # 0 //@nodes.0
         bayesian_network.NodeSpec(

@@ -8,21 +8,14 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, safeml
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, safeml: 1})
-# sha256 of the lines below: 61cd95eb04e74655d649916d94a386f1e032a7d1931803c2eba186bef6d39224
+# sha256 of the lines below: bca095d114dacbd614021a3b60cbef4dc96c709d28b7ed9a656ccc76f813738e
 
 
 class Monitor(safeml.SafeML):
     model_id = "camera_scope"
     digest = "7500162b9003eb76a12fbe8c6926bea14a6c6e884246d1afae2c597de49a368e"
-    inputs = (
-        InputSpec(
-            "frame",
-            "frame",
-            requires=("features",),
-            every_message=True,
-            topics=("/camera/features",),
-        ),
-    )
+    inputs = (InputSpec("frame", "frame", requires=("features",), every_message=True),)
+    topics = {"features": "/camera/features"}
     metric = "ad"
     metric_name = "AndersonDarlingDistance"
     window_size = 50

@@ -8,7 +8,7 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 2bb11050a29aed4978f910e92811c297ba86d8ac91c6da2c04f36bc7d53d312d
+# sha256 of the lines below: 9feb516caa34cbbb3a7d94281a9e3d89c1edf047a55442550befa6ea10c329b2
 INF = float("inf")
 
 
@@ -94,7 +94,6 @@ class Monitor(consert.ConSert):
         Any = v3 if v3 > Mode else Mode
         if All > Any:
             Any = All
-        self.values = (MapKnown, Distance, v2, v3, Mode)
         return (
             All == 2,  # FastDrive
             Any == 2,  # SlowDrive
@@ -104,9 +103,7 @@ class Monitor(consert.ConSert):
     def execute_step(self, source, t_ns=None):
         eddi_runtime.look_again(source, t_ns)
         FastDrive, SlowDrive, StandStill = self.step(source)
-        self._at = t_ns
-        if self.values != self.known:
-            self.changed()
+        self.look(t_ns)
         return [
             {"id": "FastDrive", "active": FastDrive},
             {"id": "SlowDrive", "active": SlowDrive},

@@ -8,7 +8,7 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 6b698c99cee8c1159587e2b95958c7951115c7b98fc1da53de74124f26d6957a
+# sha256 of the lines below: 3b7739e13256f9acc35157cf4c45ae1fbde99a6b4b8c064a3269c0ca7c0fdd30
 
 
 class Monitor(consert.ConSert):
@@ -16,15 +16,9 @@ class Monitor(consert.ConSert):
     digest = "c1b58fe5fedb4e2fc6d74328edf7a1a0099c2dbd11176f0063220eec2cd43a42"
     inputs = (
         # //@odeProductPackages.0/@conSerts.1/@runtimeEvidence.0
-        InputSpec(
-            "RtE_A_E0",
-            "RtE_A_E0",
-            requires=("RtE_E0",),
-            max_age=2.0,
-            default=False,
-            topics=("/rte/e0b",),
-        ),
+        InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),
     )
+    topics = {"RtE_E0": "/rte/e0b"}
     leaves = (consert.Binary(),)
     # Paths: the smallest sets of inputs of which each gives the guarantee.
     guarantees = (consert.Guarantee("System_A_G0_c2", paths=(("RtE_A_E0",),)),)
@@ -42,7 +36,6 @@ class Monitor(consert.ConSert):
             RtE_A_E0 = 2
         else:
             RtE_A_E0 = 0 if RtE_A_E0 is False else 1 if RtE_A_E0 is None else self.judge(0, RtE_A_E0)
-        self.values = (RtE_A_E0,)
         return (
             RtE_A_E0 == 2,  # System_A_G0_c2: //@odeProductPackages.0/@conSerts.1/@guarantees.0
         )
@@ -50,7 +43,5 @@ class Monitor(consert.ConSert):
     def execute_step(self, source, t_ns=None):
         eddi_runtime.look_again(source, t_ns)
         (System_A_G0_c2,) = self.step(source)
-        self._at = t_ns
-        if self.values != self.known:
-            self.changed()
+        self.look(t_ns)
         return [{"id": "System_A_G0_c2", "active": System_A_G0_c2}]

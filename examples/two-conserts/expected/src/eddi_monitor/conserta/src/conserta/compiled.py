@@ -8,7 +8,7 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: b25fdab5cdf8c69204712924c021c12fc2a680599c5d923bb630c0cc392b6be2
+# sha256 of the lines below: b1df0ba8912ffd9795751cc4e90129cc4df369029d39dd2ed1a4ed55af2e95c5
 
 
 class Monitor(consert.ConSert):
@@ -22,19 +22,12 @@ class Monitor(consert.ConSert):
             requires=("consertb",),
             max_age=0.5,
             default=False,
-            topics=("/consertb/guarantees",),
             claims=(("consertb", "System_A_G0_c2"),),
         ),
         # //@odeProductPackages.0/@conSerts.0/@runtimeEvidence.0
-        InputSpec(
-            "RtE_A_E0",
-            "RtE_A_E0",
-            requires=("RtE_E0",),
-            max_age=2.0,
-            default=False,
-            topics=("/rte/e0a",),
-        ),
+        InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),
     )
+    topics = {"consertb": "/consertb/guarantees", "RtE_E0": "/rte/e0a"}
     leaves = (consert.Binary(), consert.Binary())
     # Paths: the smallest sets of inputs of which each gives the guarantee.
     guarantees = (
@@ -62,7 +55,6 @@ class Monitor(consert.ConSert):
             RtE_A_E0 = 0 if RtE_A_E0 is False else 1 if RtE_A_E0 is None else self.judge(1, RtE_A_E0)
         # And System_A_AND: //@odeProductPackages.0/@conSerts.0/@consertGates.0
         System_A_AND = RtE_A_E0 if RtE_A_E0 < RtE_A_D0 else RtE_A_D0
-        self.values = (RtE_A_D0, RtE_A_E0)
         return (
             RtE_A_E0 == 2,  # System_A_G0: //@odeProductPackages.0/@conSerts.0/@guarantees.0
             System_A_AND == 2,  # System_A_G1: //@odeProductPackages.0/@conSerts.0/@guarantees.1
@@ -71,9 +63,7 @@ class Monitor(consert.ConSert):
     def execute_step(self, source, t_ns=None):
         eddi_runtime.look_again(source, t_ns)
         System_A_G0, System_A_G1 = self.step(source)
-        self._at = t_ns
-        if self.values != self.known:
-            self.changed()
+        self.look(t_ns)
         return [
             {"id": "System_A_G0", "active": System_A_G0},
             {"id": "System_A_G1", "active": System_A_G1},
