@@ -25,7 +25,8 @@ Probabilities lie between 0 and 1; times are in seconds where the name says no o
 (`mttf_hours`). Messages are published in each step, the last one is latched. Of a ConSert, a
 network and a SafeML monitor, `NAMEOutput` is on the topic of `EDDIOutputs` and `NAMEStatus` on
 `<topic>/status`; thresholds of a network are on `<topic>/evidence`. [What monitors may read of each
-other](reading-monitors.md) says which field counts as evidence.
+other](reading-monitors.md) says which field counts as evidence; why a claim does not hold is on
+[`<topic>/why`](nodes.md#topic-why).
 """
 
 _MEANINGS = {

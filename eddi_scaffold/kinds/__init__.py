@@ -428,6 +428,18 @@ def messages_in(kind: str, group: str = "") -> Mapping[str, str]:
     return {path.stem: path.read_text("utf-8") for path in files}
 
 
+COMMON = messages_in(__path__[0])
+"""Messages of monitors of every kind: why their claims are as they are."""
+WHY = "eddi_messages/Why"
+
+
+@cache
+def texts_of_messages() -> Mapping[str, str]:
+    """Return ROS message name -> text of all messages of ``eddi_messages``."""
+    of_kinds = (kind.all_messages for kind in kinds().values())
+    return {name: text for texts in (*of_kinds, COMMON) for name, text in texts.items()}
+
+
 @cache
 def kinds() -> Mapping[str, Kind]:
     """Return every kind by name, sorted: each is a folder here that offers ``KIND``."""

@@ -44,6 +44,16 @@ class MonitorNode:
         return {} if fleet is None or type_ is None else {fleet.topic: type_}
 
     @cached_property
+    def reasons(self) -> tuple[list[str], list[str]]:
+        """Return the topics on which it tells and reads why claims are as they are."""
+        results = [topic for topic in self.publications if not (topic.of or topic.path)]
+        own = [topic.output.topic for topic in results or self.publications[:1]]
+        reading = {source for binding in self.monitor.inputs for source, _ in binding.claims}
+        heard = [source.topic for source in self.subscribed if source.id in reading]
+        told, read = (list(dict.fromkeys(map(_why_topic, names))) for names in (own, heard))
+        return told, read
+
+    @cached_property
     def _required(self) -> list[SimulatorOutput]:
         used = {source.id for binding in self.monitor.inputs for source in binding.requires}
         entries = self.config.config.SimulatorOutputs
@@ -111,6 +121,12 @@ class MonitorNode:
             "more": _more(publication)
             + (_qos(output.qos, "\n            ", ",") if has_qos else ""),
         }
+
+
+def _why_topic(topic: str) -> str:
+    """Return where a monitor tells why, of a topic with its result or what is below that."""
+    above, _, last = topic.rpartition("/")
+    return f"{above if last in ('status', 'evidence') else topic}/why"
 
 
 def node_of(monitor: BoundMonitor) -> tuple[MonitorNode, list[Problem]]:

@@ -12,7 +12,7 @@ from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.field_types import Fields, MessageFields, element, is_primitive
-from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.kinds import WHY, JsonValue
 from eddi_scaffold.monitors.answers import files_of, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
@@ -91,7 +91,7 @@ def definitions_of(
         for index, entry in enumerate(node.config.config.SimulatorOutputs)
     }
     types = [topic.type for topic in node.subscribed] + [topic.type for topic in node.publications]
-    for type_ in dict.fromkeys([*types, *node.between_robots.values()]):
+    for type_ in dict.fromkeys([*types, *node.between_robots.values(), WHY]):
         names, place = list(with_parts(type_, known)), places.get(type_, Place())
         parts |= {name: known[name] for name in names if name in known and name not in parts}
         unknown = [name for name in names if name not in known]

@@ -20,13 +20,12 @@ from eddi_scaffold.config.field_types import (
     packages_of,
 )
 from eddi_scaffold.config.file import from_json
-from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.kinds import JsonValue, kinds
+from eddi_scaffold.kinds import COMMON, WHY, JsonValue, kinds, texts_of_messages
 from eddi_scaffold.monitors.answers import files_of, identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
-from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.platforms import VENDORED, Choices, PackageAnswers, runtime_of
 from eddi_scaffold.program.runtime_parts import (
     LIFE_CYCLE,
@@ -37,22 +36,18 @@ from eddi_scaffold.program.runtime_parts import (
 )
 from eddi_scaffold.regions.package import LINK, entries
 
-_DIAGNOSTICS = ("/diagnostics", "diagnostic_msgs/DiagnosticArray")
+_DIAGNOSTICS = {"/diagnostics": "diagnostic_msgs/DiagnosticArray"}
 _ARROWS = {"publishers": "pub", "subscribers": "sub"}
 
 
-def interfaces_of(
-    published: Iterable[Publication],
-    subscribed: Iterable[SimulatorOutput],
-    between_robots: dict[str, str],
-) -> list[JsonValue]:
+def interfaces_of(node: MonitorNode) -> list[JsonValue]:
     """Return the sections of a node that are not empty: its topics, each once, sorted."""
+    told, read = (dict.fromkeys(topics, WHY) for topics in node.reasons)
+    published = {topic.output.topic: topic.type for topic in node.publications}
+    subscribed = {topic.topic: topic.type for topic in node.subscribed}
     sections = {
-        "publishers": dict(
-            [*((topic.output.topic, topic.type) for topic in published), _DIAGNOSTICS]
-        )
-        | between_robots,
-        "subscribers": {topic.topic: topic.type for topic in subscribed} | between_robots,
+        "publishers": {**told, **published, **_DIAGNOSTICS, **node.between_robots},
+        "subscribers": {**read, **subscribed, **node.between_robots},
     }
     return [
         {
@@ -246,8 +241,8 @@ def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, st
     Raises:
         EddiError: a monitor listens to a message that another one wants spelt otherwise (G026).
     """
-    texts = {name: text for kind in kinds().values() for name, text in kind.all_messages.items()}
-    waiting: list[str] = []
+    texts = {**texts_of_messages()}
+    waiting = [*COMMON]
     read_by: dict[str, str] = {}
     respelt: dict[str, str] = {}
     for package, answers in monitors.items():
@@ -312,7 +307,7 @@ def monitor_package(
     answers |= node.answers(lambda of: classes.get(of, _in_module(of)), has_qos=is_ros2)
     if is_ros2:
         answers["lifecycle"] = node.config.config.Model.lifecycle
-    answers["interfaces"] = interfaces_of(node.publications, node.subscribed, node.between_robots)
+    answers["interfaces"] = interfaces_of(node)
     package = PackageAnswers(monitor.package, answers, files)
     return package, node, [*problems, *problems_of_node]
 

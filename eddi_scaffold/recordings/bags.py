@@ -24,7 +24,7 @@ from eddi_scaffold.common.problems import (
 )
 from eddi_scaffold.config.field_types import EITHER_TIMES, TIMES, Fields, MessageFields
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.kinds import Model, texts_of_messages
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
@@ -196,8 +196,7 @@ def _repair(path: Path) -> str:
 
 def _own_messages(monitors: Sequence[BoundMonitor]) -> Mapping[str, str]:
     """Return the texts of our messages, and of those that configurations define."""
-    own = (item for kind in kinds().values() for item in kind.all_messages.items())
-    texts = {f"{MESSAGE_PACKAGE}/{name}": text for name, text in own}
+    texts = {f"{MESSAGE_PACKAGE}/{name}": text for name, text in texts_of_messages().items()}
     for monitor in monitors:
         for name, fields in known_types(monitor.config, {}).items():
             texts[name] = "\n".join(f"{of} {field}" for field, of in ros2_fields(fields).items())

@@ -202,8 +202,6 @@ def test_a_fleet_names_its_node():
     assert fleet.joined("", "m", "d").name[:2] == ("cart", "m")
     assert fleet.joined("cart7", "m", "d").name[0] == "cart7"
     assert fleet.joined("", "m", "d").name != fleet.joined("", "m", "d").name
-    told = PARKED._replace(robots=("a", "b")).described("/eddi/peers")
-    assert told == "arm/PARKED of a or b on /eddi/peers"
 
 
 class ByReceipt(Peers):

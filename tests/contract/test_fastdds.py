@@ -79,7 +79,7 @@ def test_every_flip_and_the_death_of_the_robot(program, tmp_path):
         until(lambda: peer.publish(1) or peer.lines()[-1] == "active Slow", what="active once more")
         peer.end(kill=True)
         stage.until()
-        stage.told("/in/healthy is late", timeout=20.0)
+        stage.told("/in/healthy: ", timeout=20.0)
         peer = Peer(program, stage.domain, tmp_path / "again.log")
         until(lambda: "ready" in peer.lines(), what="the robot comes back")
         until(

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.kinds import COMMON
+
 HERE = Path(__file__).parent
 PYTHON = "/usr/bin/python3"
 PROBES = HERE.parent / "probes"
@@ -302,6 +304,7 @@ class World:
 
 def make_messages(folder, texts, name="eddi_messages"):
     """Generate ROS's own Python classes of a package with Debian's genpy, no catkin."""
+    texts = {**COMMON, **texts} if name == "eddi_messages" else texts
     package = Path(folder) / name
     sources = Path(folder) / "msg"
     sources.mkdir(parents=True)

@@ -14,7 +14,7 @@ import rospkg
 
 from eddi_scaffold.common.files import read_regular
 from eddi_scaffold.config.field_types import TIMES, Fields, MessageFields, element, fields_of
-from eddi_scaffold.kinds import kinds
+from eddi_scaffold.kinds import texts_of_messages
 
 
 @cache
@@ -35,8 +35,7 @@ def known_messages() -> MessageFields:
     """Return the fields of the common messages of ROS 1 and of our own ``eddi_messages``."""
     own = {
         f"eddi_messages/{name}": fields_of(text, "eddi_messages")
-        for kind in kinds().values()
-        for name, text in kind.all_messages.items()
+        for name, text in texts_of_messages().items()
     }
     return {**TIMES, **common_messages(), **own}
 

@@ -38,9 +38,6 @@ class Source(NamedTuple):
     digest: str  # SHA-256 of that ConSert's data
     guarantee: str  # id of the guarantee that is wanted, as it is published
 
-    def described(self, topic: str) -> str:
-        return f"{self.model}/{self.guarantee} of {_robots(self)} on {topic}"
-
 
 class Fleet(NamedTuple):
     """The ``Fleet`` section of eddi_config.yml."""
@@ -54,11 +51,6 @@ class Fleet(NamedTuple):
     def words(self) -> Input:
         """Return the subscription to all words; it does not wake, or two nodes would for ever."""
         return Input(_WORDS, self.topic, self.type, every_message=True, wakes=False)
-
-    def described(self, topics: Mapping[str, str]) -> Mapping[str, str]:
-        """Return topics by id of their source, with what those of other robots are, for people."""
-        topic = topics.get(_WORDS, self.topic)
-        return {**topics, **{source.id: source.described(topic) for source in self.sources}}
 
     def joined(self, robot: str, model_id: str, digest: str) -> Peers:
         """Return the words of a node of this fleet, and those it hears."""
@@ -185,7 +177,9 @@ class Peers:
                 place = (order.get(robot, 0), freshest, robot, session.message.session)
                 receipt = Receipt(session.message, max(session.made_after, 0.0), session.received)
                 known = session.made_after > -math.inf
-                found = Found(Word(robot, why), receipt if known else None)
+                age, limit = now - session.made_after, min(self._lease, session.message.lease)
+                word = Word(robot, why, age, limit) if why and known else Word(robot, why)
+                found = Found(word, receipt if known else None)
                 candidates.append(((not granted, bool(why), *place), found))
         if not candidates:
             return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))

@@ -144,7 +144,8 @@ def claim_why(monitor: str, claim: str, verdict: int, causes: Iterable[Cause]) -
     kept: dict[Any, Cause] = {}
     for cause in causes:
         seen = cause._replace(monitors=(monitor, *cause.monitors)[:MOST_LINKS])
-        element = seen.path[-2 if seen.topic else -1 :][:1]
+        last = -2 if seen.topic else -1
+        element = seen.path[last:][:1]
         kept.setdefault((seen.topic, seen.monitors[-1], element, seen.said), seen)
     if not kept:
         kept[None] = Cause((), "untold", "nothing can make it hold", monitors=(monitor,))
@@ -257,7 +258,8 @@ def _read_claim(row: Any) -> ClaimWhy:
 def _read_cause(row: Any) -> Cause:
     state: Any = plain(row.state)
     path, monitors = _first(row.path, MOST_LINKS), _first(row.monitors, MOST_LINKS)
-    since, age, limit = (float(plain(one)) for one in (row.since, row.age, row.limit))  # type: ignore[arg-type]
+    numbers: Any = [plain(one) for one in (row.since, row.age, row.limit)]
+    since, age, limit = map(float, numbers)
     links, names = tuple(map(_text, path)), tuple(map(_text, monitors))
     topic, text = _text(row.topic), _text(row.text)
     return Cause(links, STATES[state], text, topic, names, since, age, limit)

@@ -6,13 +6,14 @@ one that delivers at once.
 
 from __future__ import annotations
 
+import math
 import runpy
 import sys
 from contextlib import nullcontext
 from types import SimpleNamespace
 
 from eddi_runtime.inputs import UNKNOWN_AGE
-from eddi_runtime.node import health, node, topics
+from eddi_runtime.node import claim_log, health, node, topics
 from eddi_runtime.node.node import Node
 from eddi_runtime.node.topics import Input, Output
 
@@ -45,27 +46,37 @@ class ToyNode(Node):
         self.busy, self.error = 0.0, ""
         self.steps, self.levels = [], []
         self.core, self.schedule, self.health = self._core, self._schedule, self._health
+        self.subscribed, self.tell_at = {}, robot.now
+        self._wake_teller = self.wake
         self.prepare()
         self.init_publisher()
+        self.init_subscriber()
+
+    def wake(self):
+        self.tell_at = self.robot.now
+
+    def subscribe(self, source):
+        self.subscribed[full(source.topic)] = source.id
+
+    def resolved(self, topic):
+        return full(topic)
 
     def advertise(self, channel):
         return lambda message: self.robot.publish(full(channel.topic), message, self)
-
-    def topics(self):
-        return {source.id: full(source.topic) for source in self.INPUTS}
 
     def now_ns(self):
         return self.robot.t_ns()
 
     def report_now(self):
         self.levels.append((self.steps[-1] - BEGIN, self._health._level))
+        super().report_now()
 
     def receive(self, topic, message, age=0.0):
-        for source in self.INPUTS:
-            if full(source.topic) == topic:
-                self._receipts.receive(source.id, message, age)
-                if self.MODE == "on_change":
-                    self.turn()
+        source = self.subscribed.get(full(topic))
+        if source is not None:
+            self._receipts.receive(source, message, age)
+            if self.MODE == "on_change" and not topic.endswith("/why"):
+                self.turn()
 
     def create_ros_msg(self, eddi_output):
         self.robot.now += self.busy
@@ -84,8 +95,13 @@ class ToyNode(Node):
         self.step()
         self._schedule.stepped(started, self.robot.now)
 
+    def told(self):
+        """Do what the thread does that tells how monitors are."""
+        waits = self.tell(periodic=self.robot.now % 1.0 == 0.0).waits
+        self.tell_at = self.robot.now + 0.125 if waits else math.floor(self.robot.now + 1.0)
+
     def report(self, *, periodic=True):
-        return self.status(periodic)
+        return self.status(self.graph(), periodic=periodic)
 
     def values(self):
         return dict(self.report(periodic=False).values)
@@ -110,7 +126,7 @@ class Robot:
             one: lambda text, *values, level=one: self.lines.append((level, text % values))
             for one in ("info", "warn", "error")
         }
-        for module in (health, node):
+        for module in (claim_log, health, node):
             monkeypatch.setattr(module, "LOG", SimpleNamespace(**levels))
         clock = SimpleNamespace(monotonic=lambda: self.now)
         for module in (health, node, topics):
@@ -153,16 +169,19 @@ class Robot:
     def run(self, until):
         while True:
             due = [one.schedule.wait_s(self.now) + self.now for one in self._nodes]
+            telling = [one.tell_at for one in self._nodes]
             planned = [at for at, _, _ in self._planned[:1]]
-            following = min(due + planned)
+            following = min(due + planned + telling)
             if following > BEGIN + until:
                 break
             self.now = max(self.now, following)
             if planned and planned[0] <= following:
                 _, topic, message = self._planned.pop(0)
                 self.publish(topic, message)
-            else:
+            elif following in due:
                 self._nodes[due.index(following)].turn()
+            else:
+                self._nodes[telling.index(following)].told()
         self.now = max(self.now, BEGIN + until)
 
     def active(self, topic, after=0.0):

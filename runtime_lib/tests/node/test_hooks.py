@@ -1,6 +1,7 @@
 """What a person adds in members of a class: called in its place; what it raises ends nothing."""
 
 import pytest
+from eddi_runtime.node.health import Diagnostics
 from eddi_runtime.node.report import ERROR, OK
 
 from runtime_lib.tests.node.robot import Robot, ToyNode, generated
@@ -91,7 +92,7 @@ def test_what_stepped_raises_is_said_once_and_ends_nothing(robot):
 def begun(robot, started):
     node = robot.start("consertb", started=started, subscribe=lambda self, source: None)
     robot.told.clear()
-    node.begin("consertb", None)
+    node.begin("consertb", Diagnostics(lambda _: None))
     return node
 
 

@@ -7,6 +7,7 @@ ConSertA on ConSertB for 0.5 s. The nodes step eight times per second.
 import pytest
 from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.node.report import ERROR, OK, STALE, WARN
+from eddi_runtime.why import read_why
 
 from runtime_lib.tests.node.message_package import STD_MSGS
 from runtime_lib.tests.node.robot import BEGIN, Robot
@@ -35,12 +36,12 @@ def test_an_input_may_wait_until_the_grace_is_over(robot):
     assert node.levels == [(0.0, WARN)]
     assert node.report()[:2] == (
         WARN,
-        "RtE_A_E0 waiting: waiting for first message of /rte/e0b (blocks System_A_G0_c2)",
+        "RtE_A_E0 waiting: /rte/e0b: no message yet, 1.9 s of 2 s to wait",
     )
     robot.run(2.0)
     assert node.levels[1:] == [(2.0, ERROR)]
-    never = "RtE_A_E0 missing: never received since start: /rte/e0b"
-    assert node.report().message.startswith(never)
+    never = "RtE_A_E0 missing: /rte/e0b: no message yet, 2.0 s after the start"
+    assert node.report().message == never
     robot.sense("/rte/e0b", 3.0)
     robot.run(3.0)
     assert node.levels[2:] == [(3.0, OK)]
@@ -53,7 +54,7 @@ def test_a_value_that_is_nan_is_not_usable(robot):
     robot.sense("/rte/e0b", 1.5)
     robot.run(1.0)
     assert node.levels[-1] == (0.5, ERROR)
-    unusable = "RtE_A_E0 invalid: the value is NaN (blocks System_A_G0_c2)"
+    unusable = "RtE_A_E0 invalid: the value is NaN"
     assert node.report()[:2] == (ERROR, unusable)
     assert robot.active(B) == [(0.0, set())]
     robot.run(2.0)
@@ -68,9 +69,10 @@ def test_a_late_source_is_stale_from_the_first_step_behind_its_limit(robot):
     robot.run(3.125)
     assert robot.active(B)[2:] == [(3.125, set())]
     assert node.levels[-1] == (3.125, STALE)
-    late = "/rte/e0b is late, 2.12 s old, the limit is 2 s"
-    assert node.report()[:2] == (STALE, f"RtE_A_E0 stale: {late} (blocks System_A_G0_c2)")
-    assert node.values()["guarantee.System_A_G0_c2"] == f"inactive: RtE_A_E0: {late}"
+    late = "/rte/e0b: nothing for 2.1 s, limit 2 s"
+    assert node.report()[:2] == (STALE, f"RtE_A_E0 stale: {late}")
+    sentence = f"System_A_G0_c2 <- RtE_A_E0 <- {late}"
+    assert node.values()["guarantee.System_A_G0_c2"] == f"inactive: {sentence}"
     robot.sense("/rte/e0b", 4.02)
     robot.run(5.0)
     assert robot.active(B)[3:] == [(4.125, B_ACTIVE)]
@@ -99,7 +101,7 @@ def test_the_diagnosis_never_contradicts_what_was_published_last(robot):
     for t, expected in ((1.0, "inactive: "), (1.1, "active"), (1.2, "inactive: ")):
         robot.run(t)
         said = node.values()["guarantee.System_A_G0_c2"]
-        assert said.partition("RtE_A_E0")[0] == expected
+        assert said.partition("System_A_G0_c2")[0] == expected
 
 
 def test_steps_that_take_too_long_are_left_out_and_told_once(robot):
@@ -138,7 +140,7 @@ def test_a_monitor_that_ends_does_not_leave_its_guarantee_behind(robot):
     robot.kill(source)
     robot.run(4.0)
     assert robot.active(A)[2:] == [(2.625, ALONE)]  # its last message is of 2.0
-    assert "/consertb/guarantees is late" in node.report().message
+    assert "/consertb/guarantees: nothing for 2.0 s" in node.report().message
     again = robot.start("consertb")
     assert robot.active(B, after=4.0) == [(4.0, set())]
     robot.run(5.0)
@@ -156,7 +158,7 @@ def test_what_is_latched_counts_only_when_its_age_is_known(robot):
     robot.run(5.125)
     assert robot.active(A) == [(5.0, set()), (5.125, ALONE)]
     values = node.values()
-    latched = "/consertb/guarantees was latched, its age is not known"
+    latched = "/consertb/guarantees: latched, its age is not known"
     assert (values["RtE_A_D0"], values["RtE_A_D0.reason"]) == ("stale", latched)
     assert values["RtE_A_D0.age_s"] == ""
     node.receive(B, node.simulator_values["consertb"], 0.25)  # its header has a time
@@ -173,7 +175,7 @@ def test_an_input_without_limit_takes_what_is_latched_and_says_so(robot):
     node.health._inputs = (spec,)
     node.receive("/rte/e0b", STD_MSGS.Bool(data=True), UNKNOWN_AGE)
     robot.run(0.125)
-    assert node.report()[:2] == (WARN, "RtE_A_E0 latched, age unknown")
+    assert node.report()[:2] == (WARN, "RtE_A_E0 latched: age unknown")
     assert robot.active(B)[1:] == [(0.125, B_ACTIVE)]
     assert node.values()["RtE_A_E0.max_age"] == "no limit"
     robot.sense("/rte/e0b", 0.25)
@@ -231,17 +233,68 @@ def test_a_guarantee_that_flaps_does_not_fill_the_disk(robot):
     for number, t in enumerate(times(0.5, 1.25, 2**-6)):
         robot.sense("/rte/e0b", t, value=number % 2 == 0)
     robot.sense("/rte/e0b", 3.0, value=False)
-    robot.run(3.0)
-    assert [text for _, text in robot.lines] == [
-        *["System_A_G0_c2 is now active", "System_A_G0_c2 is now inactive"] * 10,
-        "29 more changes of guarantees were not logged",
-        "System_A_G0_c2 is now inactive",
+    robot.run(4.0)
+    lines = [text for _, text in robot.lines]
+    assert 2 <= len(lines) <= 3
+    assert all(text.startswith("lost System_A_G0_c2 <- ") for text in (lines[0], lines[-1]))
+    assert any(text.endswith(" more)") for text in lines)
+
+
+E0B = "System_A_G0_c2 <- RtE_A_E0 <- /rte/e0b"
+
+
+def told(robot, topic):
+    """Return (time, sentence) of the first claim, for each message of a topic."""
+    rows = [(t, read_why(message)) for t, of, message in robot.told if of == f"{topic}/why"]
+    return [(t, [row.sentence for row in why.values()][-1]) for t, why in rows]
+
+
+def test_a_sensor_that_is_late_two_monitors_away_is_named_in_each(robot):
+    robot.start("consertb")
+    node = robot.start("conserta")
+    robot.sense("/rte/e0b", *times(0.0625, 1.0625), *times(8.0625, 12.0))
+    robot.sense("/rte/e0a", *times(0.0625, 12.0))
+    robot.run(2.0)
+    assert told(robot, A)[-1] == (0.125, "")  # when all is well, nothing more is sent
+    assert not robot.lines
+    robot.run(4.0)
+    late = f"System_A_G1 <- RtE_A_D0 <- {E0B}: nothing for 2.2 s, limit 2 s"
+    assert robot.lines == [
+        ("warn", f"lost {E0B}: nothing for 2.1 s, limit 2 s"),
+        ("warn", f"lost {late}"),
     ]
+    assert node.report()[0] == WARN
+    assert node.values()["guarantee.System_A_G1"].startswith("inactive: System_A_G1 <- RtE_A_D0")
+    assert [t for t, _ in told(robot, A) if t > 3.5] == [4.0]  # once a second
+    robot.run(9.0)
+    again = [text for level, text in robot.lines if level == "info"]
+    assert [text.partition(" (")[0] for text in again] == [
+        "again System_A_G0_c2 after 5.0 s",
+        "again System_A_G1 after 5.0 s",
+    ]
+    assert node.values()["guarantee.System_A_G1"] == "active"
+    assert told(robot, A)[-1][1] == ""
 
 
-def test_an_output_of_another_shape_hides_no_change(robot):
+def test_no_reason_of_another_monitor_is_waited_for_longer_than_it_lasts(robot):
+    robot.start("consertb")._publish_why.clear()
+    robot.start("conserta")
+    robot.sense("/rte/e0b", *times(0.0625, 1.0625))
+    robot.sense("/rte/e0a", *times(0.0625, 12.0))
+    robot.run(6.0)
+    untold = "RtE_A_D0 <- System_A_G0_c2: unknown there, its monitor tells no reason"
+    assert robot.lines[1:] == [("warn", f"lost System_A_G1 <- {untold}")]
+
+
+def test_what_is_missing_is_said_once_after_the_grace(robot):
+    robot.start("consertb", STARTUP_GRACE=2.0)
+    robot.run(9.0)
+    missing = f"missing {E0B}: no message yet, 2.0 s after the start (nobody publishes it)"
+    assert [text for _, text in robot.lines] == [missing.partition(" (")[0]]
+
+
+def test_an_output_of_another_shape_ends_no_report(robot):
     node = robot.start("consertb")
-    on, off = ([{"id": "G", "active": value}] for value in (True, False))
-    for output in (on, on, None, {"id": "G"}, [1, "text"], off, [{"id": "G"}], on):
+    for output in (None, {"id": "G"}, [1, "text"], [{"id": "G"}], object()):
         node.health.after_step(output, {}, "", 0.0)
-    assert [text for _, text in robot.lines] == ["G is now inactive", "G is now active"]
+    assert node.report()[0] == WARN

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
@@ -10,7 +11,9 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence
 from ..inputs import UNKNOWN_AGE, EDDIInputBase
 from ..monitor import Monitor, Tree, __version__
 from ..plain_values import is_nan, one_line, read
+from ..why import UNKNOWN, Cause, Why
 from . import report
+from .claim_log import ClaimLog
 from .report import FRESH, INVALID, LATCHED, NEVER, OK, WAITING, GraphFact, Report
 from .start import LOG, Waker
 from .topics import Receipt
@@ -18,12 +21,12 @@ from .topics import Receipt
 PERIOD_S = 1.0  # between two reports without a new level
 _CALM_S = 0.1  # between two reports, so that a level that flaps does not flood the topic
 _ERROR_GAP_S = 1.0  # at most one error line per second and input
-_CHANGES_PER_S = 20  # guarantee lines; a flapping guarantee must not fill the disk
-_REFRESH_S = 0.5  # reasons cost more than a step: only then, or when a state or the output changed
+_REFRESH_S = 0.5  # reasons cost more than a step: only then, or when a state or a verdict changed
+_MOST_CHANGES = 100  # of claims between two looks of the thread that tells them
 
 
 class _Seen(NamedTuple):
-    """The last step, replaced as a whole: the diagnostics thread needs no lock."""
+    """The last step, replaced as a whole: the thread that tells it needs no lock."""
 
     at: float  # monotonic seconds of its begin
     states: tuple[tuple[str, str], ...] = ()  # of each input, as in a report, and the reason
@@ -31,22 +34,37 @@ class _Seen(NamedTuple):
     error: str = ""  # an exception of the step, else empty
 
 
+class _Asked(NamedTuple):
+    """What the monitor was asked last, replaced as a whole."""
+
+    at: float  # monotonic seconds
+    fact: report.MonitorFact
+    causes: Mapping[str, Sequence[Cause]] = {}  # input id -> why it is not fresh
+
+
 class Health:
-    """What the loop notes after each step and the thread of the diagnostics reads."""
+    """What the loop notes after each step; a thread tells it."""
 
     def __init__(
         self, monitor: Monitor[Any], eddi_input: EDDIInputBase, period: float, grace: float
     ) -> None:
+        self.suspected: frozenset[str] = frozenset()  # sources from which nothing usable comes
         self._monitor = monitor
         self._eddi_input, self._period, self._grace = eddi_input, period, grace
         self._inputs = tuple(monitor.inputs)
+        self._reading = [f"{source}/why" for spec in self._inputs for source, _ in spec.claims]
+        events: Sequence[Any] = getattr(monitor, "events", ())
+        self._hazards = frozenset(event.id for event in events if event.hazard)
         self._last_step = time.monotonic()
         self._first_step: float | None = None
+        self._waiting = True  # for first messages: the grace of the start is not over
         self._seen = _Seen(self._last_step)
-        self._known = report.MonitorFact()
-        self._kinds: Sequence[str] = ()  # states of the inputs when the monitor was asked
-        self._asked_at = -_REFRESH_S
-        self._changes = Changes()
+        self._asked = _Asked(-math.inf, report.MonitorFact())
+        self._output: object = None
+        self._basis: object = None  # on which the monitor was asked
+        self._claims: object = None  # verdict and first reason of each claim
+        self._changes: deque[_Asked] = deque(maxlen=_MOST_CHANGES)
+        self._log = ClaimLog()
         self._errors: dict[str, int] = {}
         self._logged: dict[str, tuple[str, float]] = {}
         self._level = OK
@@ -54,14 +72,15 @@ class Health:
 
     def after_step(
         self, output: object, receipts: Mapping[str, Receipt], error: str, duration: float
-    ) -> bool:
-        """Note a finished step; ``True`` when the level of the inputs changed."""
+    ) -> tuple[bool, bool]:
+        """Note a finished step; return whether the level changed, and whether a claim did."""
         self._last_step = now = time.monotonic()
         if self._first_step is None:
             self._first_step = now
         self._steps += 1
         self._longest = max(self._longest, duration)
-        states = self._input_states(receipts, waiting=now - self._first_step < self._grace)
+        self._waiting = now - self._first_step < self._grace
+        states = self._input_states(receipts)
         for spec, (state, reason) in zip(self._inputs, states):
             if state == INVALID:
                 self._errors[spec.id] = self._errors.get(spec.id, 0) + 1
@@ -70,17 +89,75 @@ class Health:
                 known = self._eddi_input.states.get(spec.id)
                 self.log_error(about, wrong, getattr(known, "detail", ""))
         kinds = tuple(state for state, _ in states)
-        changed = self._changes.note(output) or kinds != self._kinds
-        if changed or now - self._asked_at >= _REFRESH_S:
-            self._kinds, self._asked_at = kinds, now
-            pairs, core = zip(self._inputs, kinds), self._monitor
-            unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
-            facts = tuple(core.standings()), tuple(core.accepted()), dict(core.blocked(unknown))
-            self._known = report.MonitorFact(*facts, tuple(core.doubts()))
+        if output != self._output:
+            self._output, self._decided = output, self._decided_by(output)
+        heard = [receipts[name].received for name in self._reading if name in receipts]
+        basis = self._decided, kinds, heard
+        before, level = self._claims, self._level
+        if basis != self._basis or now - self._asked.at >= _REFRESH_S:
+            self._basis = basis
+            self._ask(states, now)
         self._seen = _Seen(now - duration, states, receipts, error)
-        before = self._level
-        self._level = report.level_of(kinds, error, self._known.accepted + self._known.doubts)
-        return self._level != before
+        self._level = report.level_of(kinds, error, self._asked.fact)
+        return self._level != level, self._claims != before
+
+    def _decided_by(self, output: Any) -> object:
+        """Return the verdicts in an output; of another shape, the output."""
+        try:
+            return dict(self._monitor.decided(output))
+        except Exception:  # noqa: BLE001 - a person may have made it
+            return output
+
+    def _ask(self, states: Sequence[tuple[str, str]], now: float) -> None:
+        """Have the monitor tell what it makes of its inputs."""
+        core, causes = self._monitor, {}
+        for spec, (state, reason) in zip(self._inputs, states):
+            if state in (INVALID, LATCHED):
+                causes[spec.id] = [Cause((), state, reason or "age unknown")]
+            elif state != FRESH:
+                causes[spec.id] = self._eddi_input.why(spec, UNKNOWN, 0.0, core.topics)
+        why, kind = core.why(), core.kind
+        more = self._hazards, tuple(core.accepted()), tuple(core.doubts())
+        self._asked = asked = _Asked(now, report.MonitorFact(kind, why, *more), causes)
+        lacking = [spec for spec, (state, _) in zip(self._inputs, states) if state != FRESH]
+        self.suspected = frozenset(name for spec in lacking for name in spec.requires)
+        if self._claims != (claims := first_reasons(why)):
+            self._claims = claims
+            self._changes.append(asked)
+
+    def told(self, graph: GraphFact) -> Why:
+        """Return why the claims are as they are now, and log it; called by the thread."""
+        while self._changes:
+            change = self._changes.popleft()
+            why = self._explained(change, graph, change.at)
+            self._log.note(why, change.at, self._waiting)
+        now = time.monotonic()
+        why = self._explained(self._asked, graph, now)
+        self._log.note(why, now, self._waiting)
+        self._log.write(why, now)
+        return why
+
+    @property
+    def waits(self) -> bool:
+        """Is there a line for the log that is not due yet."""
+        return self._log.waits or bool(self._changes)
+
+    def _explained(self, asked: _Asked, graph: GraphFact, now: float) -> Why:
+        """Return the claims with what the node knows of its own topics."""
+        rows = {}
+        for row in asked.fact.why.values():
+            causes = [
+                self._of_node(cause, graph, now) if len(cause.monitors) < 2 else cause
+                for cause in (one.later(now - asked.at) for one in row.causes)
+            ]
+            rows[row.id] = row._replace(causes=tuple(causes))
+        return rows
+
+    def _of_node(self, cause: Cause, graph: GraphFact, now: float) -> Cause:
+        if cause.state == "never" and self._waiting:
+            began = now if self._first_step is None else self._first_step
+            cause = cause._replace(since=now - began, limit=self._grace).because("waiting")
+        return graph.explained(cause)
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""
@@ -94,9 +171,7 @@ class Health:
             self._logged[about] = (reason, now)
             LOG.error("%s: %s%s", about, reason, "\n" + trace.rstrip() if trace else "")
 
-    def _input_states(
-        self, receipts: Mapping[str, Receipt], *, waiting: bool
-    ) -> tuple[tuple[str, str], ...]:
+    def _input_states(self, receipts: Mapping[str, Receipt]) -> tuple[tuple[str, str], ...]:
         faults = self._monitor.faults()
         states: list[tuple[str, str]] = []
         for spec in self._inputs:
@@ -110,43 +185,34 @@ class Health:
                 state, reason = INVALID, "the value is NaN"
             elif state == FRESH and any(receipt.age == UNKNOWN_AGE for receipt in present):
                 state = LATCHED
-            elif state == NEVER and waiting:
+            elif state == NEVER and self._waiting:
                 state = WAITING
             states.append((state, reason))
         return tuple(states)
 
     def collect(
-        self,
-        receipts: Mapping[str, Receipt],
-        overruns: int,
-        graph: GraphFact,
-        topics: Mapping[str, str],
-        *,
-        periodic: bool,
+        self, receipts: Mapping[str, Receipt], overruns: int, graph: GraphFact, *, periodic: bool
     ) -> Report:
-        """Return the present report; called by the diagnostics thread."""
+        """Return the present report; called by the thread."""
         now = time.monotonic()
-        seen, known = self._seen, self._known
-        then = {name: receipt.age_at(seen.at) for name, receipt in seen.receipts.items()}
+        seen, asked = self._seen, self._asked
         receipts = {**seen.receipts, **receipts}  # the words of other robots are in the first only
-        reasons = {**graph.reasons, **graph.wrong_types}
         facts = []
-        for spec, (state, reason) in zip(self._inputs, seen.states):
+        for spec, (state, _) in zip(self._inputs, seen.states):
             here = [receipts[name] for name in spec.requires if name in receipts]
             complete = len(here) == len(spec.requires)
-            named = [(name, topics.get(name, name)) for name in spec.requires]
+            of_input = asked.causes.get(spec.id, ()) if state != FRESH else ()
+            later = (cause.later(now - asked.at) for cause in of_input)
+            causes = [one if one.monitors else self._of_node(one, graph, now) for one in later]
             fact = report.InputFact(
                 id=spec.id,
                 state=state,
-                reason=reason,
+                reason="; ".join([cause.chain for cause in causes]),
                 age=max((receipt.age_at(now) for receipt in here), default=None),
                 received=min((receipt.received for receipt in here), default=0) if complete else 0,
                 errors=self._errors.get(spec.id, 0),
-                blocks=tuple(known.blocks.get(spec.id, ())) if state != FRESH else (),
                 limit=spec.max_age,
-                sources=tuple(
-                    report.SourceFact(t, then.get(n), reasons.get(t, "")) for n, t in named
-                ),
+                mistaken=any(cause.state == "type" for cause in causes),
             )
             facts.append(fact)
         silent = now - self._last_step
@@ -158,7 +224,13 @@ class Health:
         if periodic:
             self._reported_overruns = overruns
         identity = {"model_digest": self._monitor.digest, "runtime_version": __version__}
+        known = asked.fact._replace(why=self._explained(asked, graph, now))
         return report.report(identity, facts, known, node)
+
+
+def first_reasons(why: Why) -> object:
+    """Return the verdict and the first reason of each claim."""
+    return [(row.id, row.verdict, *(one[:2] for one in row.causes[:1])) for row in why.values()]
 
 
 def diagnostics_tree(statuses: Sequence[Report], level: Callable[[int], object] = int) -> Tree:
@@ -171,28 +243,35 @@ def diagnostics_tree(statuses: Sequence[Report], level: Callable[[int], object] 
     return "DiagnosticArray", {"status": rows}
 
 
-Collect = Callable[[bool], Report]
-"""Returns the report of one monitor; ``True``: the periodic one."""
+class Told(NamedTuple):
+    """What a monitor has to say now."""
+
+    report: Report | None = None
+    waits: bool = False  # has it a line for the log that is not due yet
+
+
+Tell = Callable[[bool], Told]
+"""Publishes and logs why the claims of a monitor are as they are; ``True``: once a second."""
 
 
 class Diagnostics:
-    """A thread that reports all monitors once a second, and at once those with a new level."""
+    """A thread in which all monitors tell how they are: each second, and at a change."""
 
     def __init__(self, publish: Callable[[list[Report]], None]) -> None:
         self._publish = publish
-        self._sources: list[Collect] = []
-        self._changed: deque[Collect] = deque()
+        self._sources: dict[Tell, str] = {}
+        self._changed: deque[Tell] = deque()
         self._waker = Waker()
         self._stopped = False
 
-    def add(self, collect: Collect) -> Callable[[], None]:
-        """Report for one more monitor; return what has it reported at once."""
+    def add(self, tell: Tell, name: str = "") -> Callable[[], None]:
+        """Have one more monitor tell, in a log of several by this name; return what wakes it."""
 
         def changed() -> None:
-            self._changed.append(collect)
+            self._changed.append(tell)
             self._waker.wake()
 
-        self._sources.append(collect)
+        self._sources[tell] = name
         return changed
 
     def start(self) -> None:
@@ -211,12 +290,18 @@ class Diagnostics:
             periodic = now >= due
             if periodic:
                 due = now + PERIOD_S
-            asked = self._sources if periodic else changed
-            statuses = [status for collect in asked for status in self._tried(collect, periodic)]
-            if statuses:
-                self._tried(self._publish, statuses)
+            told: dict[Tell, Told] = {}
+            for tell in [*self._sources] if periodic else dict.fromkeys(changed):
+                threading.current_thread().name = (
+                    self._sources[tell] or "diagnostics"
+                )  # in the log
+                told.update((tell, one) for one in self._tried(tell, periodic))
+            reports = [one.report for one in told.values() if one.report is not None]
+            if reports:
+                self._tried(self._publish, reports)
+            self._changed.extend(tell for tell, one in told.items() if one.waits)
             time.sleep(_CALM_S)
-            self._waker.wait(due - time.monotonic())
+            self._waker.wait(0.0 if self._changed else due - time.monotonic())
 
     def _tried(self, function: Callable[[Any], Any], argument: object) -> list[Any]:
         """Return the result of a call; a report must never end the reporting."""
@@ -226,36 +311,3 @@ class Diagnostics:
             if not self._stopped:
                 LOG.error("diagnostics: %s", one_line(error))
             return []
-
-
-class Changes:
-    """Logs which guarantees became active or inactive, at most 20 lines per second."""
-
-    def __init__(self) -> None:
-        self._last: dict[str, bool] = {}
-        self._output: object = None
-        self._window, self._lines = -1.0, 0
-
-    def note(self, output: object) -> bool:
-        """Return whether an output is another one than before; other shapes are passed over."""
-        if output == self._output:
-            return False
-        self._output = output
-        for row in output if isinstance(output, (list, tuple)) else ():
-            if isinstance(row, dict) and "id" in row and "active" in row:
-                name, active = str(row["id"]), bool(row["active"])
-                if self._last.get(name, active) is not active:
-                    self._log_change(name, active)
-                self._last[name] = active
-        return True
-
-    def _log_change(self, name: str, active: bool) -> None:
-        second = time.monotonic()
-        if second - self._window >= 1.0:
-            hidden = self._lines - _CHANGES_PER_S
-            self._window, self._lines = second, 0
-            if hidden > 0:
-                LOG.info("%d more changes of guarantees were not logged", hidden)
-        self._lines += 1
-        if self._lines <= _CHANGES_PER_S:
-            LOG.info("%s is now %s", name, "active" if active else "inactive")

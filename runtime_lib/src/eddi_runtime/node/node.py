@@ -9,12 +9,13 @@ from __future__ import annotations
 import time
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, ClassVar, List, Mapping, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, List, Optional, Sequence
 
 from ..inputs import EDDIInputBase
 from ..monitor import ModelError, Monitor, Steps, __version__
 from ..plain_values import one_line
-from .health import Diagnostics, Health
+from ..why import TRUE, why_tree
+from .health import Diagnostics, Health, Told, first_reasons
 from .pasted import PASTED, understood
 from .report import GraphFact, Report
 from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, StartError, Waker
@@ -30,6 +31,7 @@ from .topics import (
     Silence,
     check_outputs,
     each,
+    why_topic,
 )
 
 if TYPE_CHECKING:  # travels where a monitor is one of a fleet
@@ -77,7 +79,10 @@ class Node:
         self.options = options or Settings(self.FREQUENCY, startup_grace=self.STARTUP_GRACE)
         self.ending = Ending()
         self._simulated: int | None = None
-        self._level_changed: Callable[[], None] = lambda: None  # where nobody reports
+        self._wake_teller: Callable[[], None] = lambda: None  # where nobody reports
+        self._report_due = False
+        self._told: object = None  # verdicts and first reasons that were published last
+        self._publish_why: list[Publish] = []
         self._converter = converter
         self._publications: Publications | None = None
         self._sources = [*self.INPUTS]
@@ -86,11 +91,22 @@ class Node:
         if fleet is not None:
             self._peers = fleet.joined(self.options.robot, self._core.model_id, self._core.digest)
             self._sources.append(fleet.words())
+        # by the id under which `processing` gets it: where monitors that it reads tell why
+        reading = {name for spec in self._core.inputs for name, _ in spec.claims}
+        why_class = converter.class_of("Why")
+        self._why_inputs = {
+            f"{source.id}/why": Input(
+                why_topic(source.topic), source.topic, why_class, wakes=False
+            )
+            for source in self._sources
+            if source.id in reading and why_class is not None
+        }
         on_change, grace = self.MODE == "on_change", self.options.startup_grace
         self._silence = Silence(self._sources, grace)
         self._waker = Waker()
         self._schedule = Schedule(1.0 / self.options.frequency, on_change)
-        self._receipts = Receipts(self._sources, self._waker.wake if on_change else lambda: None)
+        heard = [*self._sources, *self._why_inputs.values()]
+        self._receipts = Receipts(heard, self._waker.wake if on_change else lambda: None)
         self._health = Health(self._core, self.eddi_input, self._schedule.period, grace)
 
     # What a person adds, in the region ``RosNode.members``.
@@ -107,7 +123,8 @@ class Node:
             own()
             self._health.log_error(about, "")
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything
-            self._health.log_error(about, one_line(caught), traceback.format_exc())
+            if not self.ending.begun:
+                self._health.log_error(about, one_line(caught), traceback.format_exc())
 
     # What a transport adds.
 
@@ -126,9 +143,9 @@ class Node:
         """Return what is known of the graph around the node; called for each report."""
         return GraphFact()
 
-    def topics(self) -> Mapping[str, str]:
-        """Return the id of each source with the full name of its topic."""
-        return {source.id: source.topic for source in self._sources}
+    def resolved(self, topic: str) -> str:
+        """Return the full name of a topic; namespaces and remapping apply."""
+        return topic
 
     # What all have.
 
@@ -147,17 +164,28 @@ class Node:
         return self._converter.messages(self._core.message(eddi_output))
 
     def init_publisher(self) -> None:
-        """Advertise every output topic."""
+        """Advertise every output topic, and why the claims on it are as they are."""
+        topics = {source.id: self.resolved(source.topic) for source in self._sources}
         self._publications = Publications(self.OUTPUTS, self.advertise)
         if self.FLEET is not None:
-            self._tell = self.advertise(Output("", self.FLEET.topic, self.FLEET.type))
+            fleet = self.FLEET
+            self._tell = self.advertise(Output("", fleet.topic, fleet.type))
+            topics.update((source.id, self.resolved(fleet.topic)) for source in fleet.sources)
+        self._core.topics = topics
+        why_class = self._converter.class_of("Why")
+        results = [one for one in self.OUTPUTS if not (one.field or one.of)] or self.OUTPUTS[:1]
+        if why_class is not None:
+            names = dict.fromkeys(why_topic(self.resolved(one.topic)) for one in results)
+            self._publish_why = [self.advertise(Output("", name, why_class)) for name in names]
 
     def init_subscriber(self) -> None:
-        """Subscribe to every input topic."""
+        """Subscribe to every input topic, and to the reasons of the monitors among them."""
         for source in self._sources:
             self.subscribe(source)
+        for source in {source.id: source for source in self._why_inputs.values()}.values():
+            self.subscribe(source._replace(topic=why_topic(self.resolved(source.topic))))
 
-    def begin(self, name: str, diagnostics: Diagnostics | None) -> None:
+    def begin(self, name: str, diagnostics: Diagnostics) -> None:
         """Advertise, publish once and subscribe; ``name`` is that in the diagnostics."""
         self.ending.on_end(self._waker.wake)
         self.log_start()
@@ -165,27 +193,26 @@ class Node:
         self._call("started", self.started)
         self.step()  # before any message can arrive: nothing is known, nothing is active
         self.init_subscriber()
-        if diagnostics is not None and self.options.diagnostics:
-            title = f"{name.lstrip('/')}: {self._core.model_id}"
-            self._level_changed = diagnostics.add(
-                lambda periodic: self.status(periodic, title, name)
-            )
+        title = f"{name.lstrip('/')}: {self._core.model_id}"
+        self._wake_teller = diagnostics.add(
+            lambda periodic: self.tell(periodic, title, name), name
+        )
 
     def run_on(
         self, name: str, publisher: Callable[[], Statuses], begun: Callable[[], None]
     ) -> None:
         """Be the one monitor of a process, until that ends."""
-        diagnostics = Diagnostics(publisher()) if self.options.diagnostics else None
+        diagnostics = Diagnostics(publisher() if self.options.diagnostics else lambda _: None)
         self.begin(name, diagnostics)
         begun()
-        if diagnostics is not None:
-            self.ending.on_end(diagnostics.stop)
-            diagnostics.start()
+        self.ending.on_end(diagnostics.stop)
+        diagnostics.start()
         self.ros_main()
 
     def report_now(self) -> None:
         """Publish the diagnostics at once, where they are."""
-        self._level_changed()
+        self._report_due = self.options.diagnostics
+        self._wake_teller()
 
     def ros_main(self) -> None:
         """Run steps until the node ends."""
@@ -220,8 +247,14 @@ class Node:
             self._health.log_error("step", error, traceback.format_exc())
             output = self.withdraw()
         try:
-            if self._health.after_step(output, receipts, error, time.monotonic() - started):
+            duration = time.monotonic() - started
+            level_changed, claim_changed = self._health.after_step(
+                output, receipts, error, duration
+            )
+            if level_changed:
                 self.report_now()
+            elif claim_changed:
+                self._wake_teller()
         except Exception as caught:  # noqa: BLE001 - a report must never end the monitor
             self._health.log_error("report", one_line(caught), traceback.format_exc())
 
@@ -229,6 +262,9 @@ class Node:
         self, receipts: dict[str, Receipt], new: dict[str, list[object]], now: float
     ) -> Any:
         words = {} if self._peers is None else self._peers.take(receipts, new, now)
+        for name, source in self._why_inputs.items():
+            if source.id in receipts:
+                receipts[name] = receipts[source.id]
         unfit = {name for name, word in words.items() if word.unfit}
         latest = {name: receipt.message for name, receipt in receipts.items() if name not in unfit}
         self.simulator_values = latest
@@ -274,11 +310,32 @@ class Node:
             self._health.log_error("output", one_line(caught), traceback.format_exc())
         return output
 
-    def status(self, periodic: bool, title: str = "", name: str = "") -> Report:
-        """Return the present report; called by the thread of the diagnostics."""
-        topics = self.topics() if self.FLEET is None else self.FLEET.described(self.topics())
-        facts = self._receipts.latest(), self._schedule.overruns, self.graph(), topics
-        return self._health.collect(*facts, periodic=periodic)._replace(name=title, node=name)
+    def tell(self, periodic: bool, title: str = "", name: str = "") -> Told:
+        """Publish and log why claims are as they are, and report; called by a thread for that."""
+        if self.ending.begun:  # the last word is said, or is just being said
+            return Told()
+        self._silence.suspected = self._health.suspected
+        graph = self.graph()
+        self._call("why", lambda: self._tell_why(graph, periodic))
+        report = None
+        if self._report_due or (periodic and self.options.diagnostics):
+            self._report_due = False
+            report = self.status(graph, periodic=periodic)._replace(name=title, node=name)
+        return Told(report, self._health.waits)
+
+    def _tell_why(self, graph: GraphFact, periodic: bool) -> None:
+        why = self._health.told(graph)
+        reasons, lacks = first_reasons(why), any(row.verdict != TRUE for row in why.values())
+        if self._publish_why and (reasons != self._told or (periodic and lacks)):
+            self._told = reasons
+            message = self._converter.message(why_tree(self._core.model_id, why))
+            for publish in self._publish_why:
+                publish(message)
+
+    def status(self, graph: GraphFact, *, periodic: bool) -> Report:
+        """Return the present report; called by the same thread."""
+        facts = self._receipts.latest(), self._schedule.overruns, graph
+        return self._health.collect(*facts, periodic=periodic)
 
     def log_start(self) -> None:
         core, folder = self._core, Path(__file__).resolve().parents[1]

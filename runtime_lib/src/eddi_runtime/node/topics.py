@@ -17,7 +17,7 @@ from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence, Tuple
 
 from ..monitor import Tree, Trees
 from ..plain_values import Step, follow, plain
-from .report import GraphFact
+from .report import GraphFact, Reason
 
 DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
 MAX_QUEUED = 1000  # messages between two steps; older ones are dropped and counted
@@ -55,6 +55,12 @@ def writing_qos(requested: Mapping[str, Any], depth: int) -> dict[str, Any]:
     return {**usual, **requested}
 
 
+def why_topic(topic: str) -> str:
+    """Return where a monitor tells why, of the topic of its result or of what is below that."""
+    above, _, last = topic.rpartition("/")
+    return f"{above if last in ('status', 'evidence') else topic}/why"
+
+
 class Receipt(NamedTuple):
     """The last message of an input and what is known about it."""
 
@@ -85,6 +91,7 @@ class Receipts:
     def receive(self, source: str, message: object, age: float = 0.0) -> None:
         """Store one message of an input, see ``Receipt``."""
         now = time.monotonic()
+        age = 0.0 if source in self._silent else age  # no evidence: it counts from its receipt
         with self._lock:
             before = self._latest.get(source)
             number = 1 if before is None else before.received + 1
@@ -116,9 +123,6 @@ class Receipts:
             return "; ".join(f"{count} messages of {name} were dropped" for name, count in counts)
 
 
-_QUIET_S = 1.0  # without a message for so long, the graph is asked why
-
-
 class Topic(NamedTuple):
     """What a transport knows of a topic without new messages, and of who publishes it."""
 
@@ -126,51 +130,52 @@ class Topic(NamedTuple):
     expected: str  # type that this node reads, as ROS 1 writes it
     types: Collection[str]  # type of each publication, written so; empty where nobody publishes it
     age: float | None  # of the last message in seconds, ``None`` before the first
-    fault: str  # why nothing comes from a publication of that type
+    fault: Reason  # why nothing comes from a publication of that type
+
+
+def other_type(sent: str, expected: str) -> Reason:
+    """Return that a publication has another type than is read."""
+    return Reason("type", f"{sent} comes, {expected} is needed")
 
 
 class Silence:
     """Finds the reason for the silence of each topic; none is absent in the time of the start."""
 
     def __init__(self, sources: Sequence[Input], grace: float) -> None:
+        self.suspected: Collection[str] = ()  # ids of sources from which nothing usable comes
         self._sources = sources
         self._settled_at = time.monotonic() + grace
         self._were_published: set[str] = set()
         self._published: Collection[str] = ()
-        self._absent: dict[str, str] = {}
+        self._absent: dict[str, Reason] = {}
 
     def quiet(self, receipts: Mapping[str, Receipt]) -> list[tuple[Input, float | None]]:
-        """Return each source without a recent message, and the seconds since its last one."""
+        """Return each suspected source, and the seconds since its last message."""
         now = time.monotonic()
         ages = {name: now - receipt.at for name, receipt in receipts.items()}
-        pairs = [(source, ages.get(source.id)) for source in self._sources]
-        return [(source, age) for source, age in pairs if age is None or not age <= _QUIET_S]
+        return [(one, ages.get(one.id)) for one in self._sources if one.id in self.suspected]
 
     def explained(self, topics: Iterable[Topic], published: Collection[str]) -> GraphFact:
         """Return why nothing usable comes from topics without a recent message."""
         if self._published != (names := frozenset(published)):
             self._published, self._absent = names, {}  # the nearest names are searched anew
-        wrong_types, reasons = {}, {}
+        reasons = {}
         for name, expected, types, age, fault in topics:
-            if types and expected not in types:
-                wrong_types[name] = f"{expected} expected, the publisher sends {min(types)}"
-            elif types:
-                reasons[name] = fault
+            if types:
+                fits = expected in types
+                reasons[name] = fault if fits else other_type(min(types), expected)
+                self._were_published.add(name)
             elif age is not None or name in self._were_published:
-                reasons[name] = "its publisher is gone"
-            elif time.monotonic() < self._settled_at:
-                reasons[name] = ""
-            else:
+                reasons[name] = Reason("gone")
+            elif time.monotonic() >= self._settled_at:
                 if name not in self._absent:
                     import difflib  # noqa: PLC0415 - only for what should not happen
 
                     similar = difflib.get_close_matches(name, sorted(self._published), 1)
                     nearest = f", the nearest name is {similar[0]}" if similar else ""
-                    self._absent[name] = f"nobody publishes it{nearest}"
+                    self._absent[name] = Reason("", detail=f"nobody publishes it{nearest}")
                 reasons[name] = self._absent[name]
-            if types:
-                self._were_published.add(name)
-        return GraphFact(wrong_types=wrong_types, reasons=reasons)
+        return GraphFact(reasons=reasons)
 
 
 _WHOLE: Mapping[str, tuple[int, int]] = {
@@ -198,6 +203,10 @@ class Converter:
     ) -> None:
         self._module, self._fields, self.type_name, self._stamp = module, fields, type_name, stamp
         self._plans: dict[str, tuple[Any, dict[str, str], bool]] = {}
+
+    def class_of(self, name: str) -> Any:
+        """Return the class of a message, None where the package has none of that name."""
+        return getattr(self._module, name, None)
 
     def message(self, tree: Tree) -> Any:
         """Build one message, all fields of it, each of its type, or raise MessageError."""
@@ -239,7 +248,7 @@ class Converter:
 
     def _plan(self, name: str) -> tuple[Any, dict[str, str], bool]:
         """Return the class of a message, its fields without a header, and whether it has one."""
-        cls = getattr(self._module, name, None)
+        cls = self.class_of(name)
         if cls is None:
             raise MessageError(f"message {name} is not in {self._module.__name__}")
         kinds = dict(self._fields(cls))

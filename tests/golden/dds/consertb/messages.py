@@ -10,8 +10,12 @@ CLASSES = message_classes({
     'std_msgs/Header': 'builtin_interfaces/Time stamp, string frame_id',
     'eddi_messages/GuaranteeStatus': 'string id, uint8 verdict, string[] missing',
     'eddi_messages/ConSertStatus': 'std_msgs/Header header, string model_id, string model_digest, eddi_messages/GuaranteeStatus[] guarantees, string[] accepted',
+    'eddi_messages/Cause': 'string[] path, string[] monitors, string topic, uint8 state, float64 since, float64 age, float64 limit, string text',
+    'eddi_messages/ClaimWhy': 'string id, uint8 verdict, eddi_messages/Cause[] causes, uint16 more',
+    'eddi_messages/Why': 'std_msgs/Header header, string monitor, eddi_messages/ClaimWhy[] claims',
 }, {
     'eddi_messages/ConSertOutput': 'RIHS01_6e9583792d2741ad356e11643b8fd48d2f87e59b8ef935b68f7d419820fd7e54',
     'eddi_messages/ConSertStatus': 'RIHS01_f974505404a275931492c3f14a22e2b4f08d263c33316f2724120cfb1dddde4a',
+    'eddi_messages/Why': 'RIHS01_8269e4b842a36262ff174d8df970b4c41e855bc7a52692960d98354092794818',
     'std_msgs/Bool': 'RIHS01_feb91e995ff9ebd09c0cb3d2aed18b11077585839fb5db80193b62d74528f6c9',
 })

@@ -14,6 +14,6 @@ def step(monitor, eddi_input, messages, now=0.0):
     output = monitor.execute_step(eddi_input, 0)
     health = Health(monitor.monitor, eddi_input, 1.0, 0.0)
     health.after_step(output, receipts, "", 0.0)
-    nothing = {"overruns": 0, "graph": GraphFact(), "topics": {}}
+    nothing = {"overruns": 0, "graph": GraphFact()}
     said = health.collect(receipts=receipts, periodic=True, **nothing)
     return output, said.message

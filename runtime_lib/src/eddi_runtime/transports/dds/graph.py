@@ -23,6 +23,7 @@ from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
+from ...node.report import Reason, offer
 from ...node.start import LOG, StartError
 from ...node.topics import reading_qos, writing_qos
 from .messages import message_classes
@@ -44,14 +45,13 @@ _DURABILITIES = {
     "transient_local": Policy.Durability.TransientLocal,
     "volatile": Policy.Durability.Volatile,
 }
-_POLICIES = {
-    2: "the durability",
-    4: "the deadline",
-    6: "the ownership",
-    8: "the liveliness",
-    11: "the reliability",
-    24: "the definition of the message",
+_REFUSALS = {
+    2: offer("volatile", "transient_local"),
+    4: offer("no deadline or a longer one", "one as asked for"),
+    11: offer("best_effort", "reliable"),
+    24: Reason("type", "another definition of the message comes"),
 }
+_OTHER_QOS = offer("another QoS", "that asked for")
 _DISCOVERY = "ros_discovery_info"
 _BY_NAME = (
     "<CycloneDDS><Domain><Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation>"
@@ -207,17 +207,18 @@ class Graph:
         pairs = [(writer, name) for writer, name in zip(alive, names) if name.startswith("/")]
         return [Publication(name, of.type_name, _deadline(of.qos)) for of, name in pairs]
 
-    def listening(self, topic: str) -> tuple[bool, bool, str]:
+    def listening(self, topic: str) -> tuple[bool, bool, Reason | None]:
         """Return whether a publication is listened to, whether it lives, and what is unfit."""
         with self._use:
             if self._stopped:
-                return False, False, ""
+                return False, False, None
             reader = self._readers[topic].reader
             unfit = reader.get_requested_incompatible_qos_status()
             matched = reader.get_subscription_matched_status().current_count > 0
             alive = bool(reader.get_liveliness_changed_status().alive_count)
             del reader  # before its participant: see `close`
-        reason = _POLICIES.get(unfit.last_policy_id, "its QoS") if unfit.total_count else ""
+        refusal = _REFUSALS.get(unfit.last_policy_id, _OTHER_QOS)
+        reason = refusal if unfit.total_count else None
         return matched, alive, reason
 
     def close(self) -> None:

@@ -124,8 +124,8 @@ class MonitorNode(Node):
         self._unreadable: dict[str, float] = {}
         self._clock: int | None = 0 if self._words.parameters.get("use_sim_time") is True else None
 
-    def topics(self) -> dict[str, str]:
-        return {source.id: self._words.topic(source.topic) for source in self._sources}
+    def resolved(self, topic: str) -> str:
+        return self._words.topic(topic)
 
     def advertise(self, channel: Output) -> Publish:
         qos = writing(channel.qos, self.options.queue_size)

@@ -16,7 +16,7 @@ import rosgraph.names
 import rospy
 import rospy.names
 
-from ...node.health import Diagnostics
+from ...node.health import Diagnostics, Told
 from ...node.node import REFUSALS, NewInput, NewMonitor
 from ...node.report import ERROR, Report
 from ...node.start import LOG, StartError, Waker, end_at_signals
@@ -104,7 +104,7 @@ class Host:
                 threading.Thread(target=node.ros_main, name=own_name, daemon=True).start()
         for failed, reason in self._failed.items():
             report = Report(ERROR, f"not started: {reason}", (), failed.lstrip("/"), failed)
-            diagnostics.add(partial(lambda known, _: known, report))
+            diagnostics.add(partial(lambda known, _: Told(known), report))
         if watchdog is not None:
             watchdog.start()
         while not self._ending.begun:

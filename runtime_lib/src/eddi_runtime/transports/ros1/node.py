@@ -12,7 +12,7 @@ import time
 from io import BytesIO
 from operator import attrgetter
 from types import ModuleType
-from typing import Any, Mapping
+from typing import Any
 
 import diagnostic_msgs.msg
 import rospy
@@ -22,7 +22,7 @@ from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
 from ...node.health import diagnostics_tree
 from ...node.node import REFUSALS, NewInput, NewMonitor, Node, Options, Statuses
-from ...node.report import GraphFact
+from ...node.report import GraphFact, Reason, fault
 from ...node.start import LOG, end_at_signals, write_to_stderr
 from ...node.topics import DEFAULT_BUFFER_BYTES, Converter, Input, Output, Publish, Receipts, Topic
 from .process import LOST, RosEnding, TypeRefusals, Watchdog, node_name, options_of
@@ -100,7 +100,10 @@ def start_log() -> None:
     logging.getLogger("rospy.internal").addHandler(TypeRefusals())
 
 
-_REGISTERED = "its publisher is registered, and silent"  # a master does not know if it lives
+def _reachable(subscriber: Any) -> bool:
+    """Return whether a publisher may live: a master lists one that was killed for ever."""
+    connections = [*getattr(subscriber.impl, "connections", ())]  # without a socket: tried again
+    return not connections or any(getattr(one, "socket", one) is not None for one in connections)
 
 
 class MonitorNode(Node):
@@ -139,16 +142,15 @@ class MonitorNode(Node):
     def simulated_ns(self) -> int | None:
         return None if rospy.rostime.is_wallclock() else int(rospy.Time.now().to_nsec())
 
-    def topics(self) -> Mapping[str, str]:
-        known = dict(self._subscribers).items()
-        return {name: subscriber.resolved_name for name, subscriber in known}
+    def resolved(self, topic: str) -> str:
+        return str(rospy.resolve_name(topic))
 
     def expected_types(self) -> dict[str, tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""
         known = dict(self._subscribers).items()
         return {own.resolved_name: (name, str(own.type)) for name, own in known}
 
-    def graph(self) -> GraphFact:  # a master also lists a publisher that was killed
+    def graph(self) -> GraphFact:
         watchdog, receipts, wrong = self._watchdog, self._receipts.latest(), {}
         if watchdog is None:
             return GraphFact((("master", "not watched"),))
@@ -156,18 +158,21 @@ class MonitorNode(Node):
         for topic, (since, text) in watchdog.wrong_types.items():
             last = receipts.get(expected[topic][0]) if topic in expected else None
             if topic in expected and (last is None or last.at <= since):  # else it may be gone
-                wrong[topic] = text
+                wrong[topic] = Reason("type", text)
         published = {} if lost else watchdog.published
         ages = {source.id: age for source, age in self._silence.quiet(receipts)}
-        silent = [
-            Topic(topic, kind, (kind,) if topic in published else (), ages[name], _REGISTERED)
-            for topic, (name, kind) in expected.items()
-            if published and name in ages
-        ]
-        return self._silence.explained(silent, published)._replace(
+        silent = []
+        for topic, (name, kind) in expected.items() if published else ():
+            if name in ages:
+                there = topic in published and _reachable(self._subscribers[name])
+                silent.append(
+                    Topic(topic, kind, (kind,) if there else (), ages[name], fault(kind))
+                )
+        fact = self._silence.explained(silent, published)
+        return fact._replace(
             values=(("master", watchdog.state),),
             warnings=("ROS master lost",) if lost else (),
-            wrong_types=wrong,
+            reasons={**fact.reasons, **wrong},
         )
 
     def run(self) -> int:

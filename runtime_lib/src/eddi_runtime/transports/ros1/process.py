@@ -24,6 +24,7 @@ import rospy.impl.registration
 import rospy.names
 
 from ...node.start import LOG, Ending, Settings, StartError, settings, write_to_stderr
+from ...node.topics import other_type
 
 Address = Union[str, Tuple[str, Dict[str, str]]]
 TIMEOUT_S = 2.0
@@ -260,7 +261,7 @@ class Watchdog:
         for topic, (_, expected) in self._expected().items():
             sent = self.published.get(topic)
             if sent not in (None, "*", expected):
-                text = f"{expected} expected, the publisher sends {sent}"
+                text = other_type(str(sent), expected).text
                 known = self.wrong_types.get(topic)
                 if known is None or known[1] != text:
                     LOG.error("wrong message type on %s: %s", topic, text)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import time
 from types import ModuleType
-from typing import Any, Callable, ClassVar, Iterable, Mapping
+from typing import Any, Callable, ClassVar, Iterable
 
 import diagnostic_msgs.msg
 from rclpy.qos import QoSProfile
@@ -69,8 +69,8 @@ class MonitorNode(Node):
     def simulated_ns(self) -> int | None:
         return self._process.simulated_ns()
 
-    def topics(self) -> Mapping[str, str]:
-        return {name: topic for name, (topic, _) in dict(self._read).items()}
+    def resolved(self, topic: str) -> str:
+        return str(self._process.node.resolve_topic_name(topic))
 
     def advertise(self, channel: Output) -> Publish:
         qos = profile(writing_qos(channel.qos, self.options.queue_size))
@@ -119,7 +119,7 @@ class MonitorNode(Node):
             expected,
             age,
             refused=lacking,
-            connected=not lacking,
+            connected=lacking is None,
             alive=self._process.alive(source.topic),
             deadline=deadline(fitting),
         )

@@ -24,6 +24,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
+from ...node.report import Reason, offer
 from ...node.start import FREQUENCIES, LOG, Ending, Settings, StartError, settings
 from ...plain_values import one_line
 
@@ -98,20 +99,22 @@ def keeps(profile: QoSProfile) -> bool:
     return bool(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def refused(reader: QoSProfile, writers: Iterable[QoSProfile]) -> str:
-    """Return what of every writer is less than a reader asks for, empty when one fits."""
-    first, reliable = "", reader.reliability == ReliabilityPolicy.RELIABLE
+def refused(reader: QoSProfile, writers: Iterable[QoSProfile]) -> Reason | None:
+    """Return what of every writer is less than a reader asks for, None when one fits."""
+    first: Reason | None = None
+    reliable = reader.reliability == ReliabilityPolicy.RELIABLE
     asked = deadline([reader])
     for writer in writers:
         promised = deadline([writer])
         if reliable and writer.reliability == ReliabilityPolicy.BEST_EFFORT:
-            first = first or "the reliability"
+            first = first or offer("best_effort", "reliable")
         elif keeps(reader) and writer.durability == DurabilityPolicy.VOLATILE:
-            first = first or "the durability"
+            first = first or offer("volatile", "transient_local")
         elif asked and (promised is None or promised > asked):
-            first = first or "the deadline"
+            offered = "no deadline" if promised is None else f"a deadline of {promised:g} s"
+            first = first or offer(offered, f"{asked:g} s")
         else:
-            return ""
+            return None
     return first
 
 
