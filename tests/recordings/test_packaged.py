@@ -45,7 +45,9 @@ def test_an_untouched_package_says_what_its_configuration_says(folder: Path, pac
     before = files_below(package)
     by_package = run("run", package, "--inputs", "recording.csv", cwd=folder)
     assert (by_package.status, by_package.out) == (0, by_config.out), by_package.err
-    assert by_config.err == by_package.err == ""
+    assert (by_config.err, by_package.err.count("\n")) == ("", 1)  # that its code runs
+    without = run("run", package, "--no-code", "--inputs", "recording.csv", cwd=folder)
+    assert (without.out, without.err) == (by_config.out, "")
     assert files_below(package) == before  # no __pycache__ either
 
 
