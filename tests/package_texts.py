@@ -47,6 +47,6 @@ def facts_in(package: Path) -> MonitorFacts:
 
 def loaded(package: Path) -> tuple[Any, Any]:
     """Return an ``EDDIMonitor`` and an ``EDDIInput`` of a package."""
-    (member,) = packages_in(package).values()
+    (member,) = packages_in([package]).members()
     assert member.code is not None
     return member.code.new()

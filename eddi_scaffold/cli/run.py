@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -67,8 +67,11 @@ def run(
 
     if (as_json and as_csv) or (inputs is None) == (bag is None):
         raise EddiError(problem("G000.formats" if as_json and as_csv else "G000.one_recording"))
-    others = (config, name, default_guarantee, system, models)
-    members, problems = _members(files or [], workspace, others, code=not no_code)
+    options = {
+        "--config": config or [], "--name": name, "--default-guarantee": default_guarantee or (),
+        "--system": system, "--models": models,
+    }  # fmt: skip
+    members, problems = _members(files or [], workspace, options, code=not no_code)
     if as_csv and len(members) > 1:
         names = ", ".join(member.name for member in members)
         raise EddiError(problem("G000.one_monitor", one_only="--csv", names=names))
@@ -89,8 +92,9 @@ def run(
         more = [*more, problem("I014.by_hand", by_hand=", ".join(by_hand))]
     console.problems([*problems, *more])
     executed = [member.name for member in members if member.code is not None]
-    if executed:
-        console.say(f"with the code of {', '.join(executed)}; --no-code leaves it out")
+    if executed or (workspace is not None and not no_code):
+        names = ", ".join(executed) or "no package"
+        console.say(f"with the code of {names}; --no-code leaves it out")
     if plot is not None:
         refuse_input(plot)  # before anything is printed
     rule = ROWS if steps_as == "rows" else None
@@ -109,51 +113,43 @@ def run(
         write(plot.parent, {plot.name: FileState(svg.encode())})
 
 
-Options = tuple["list[Path] | None", "str | None", "list[str] | None", "Path | None", "Path | None"]
-
-
 def _members(
-    files: Sequence[Path], workspace: Path | None, options: Options, *, code: bool
+    files: Sequence[Path], workspace: Path | None, options: Mapping[str, Any], *, code: bool
 ) -> tuple[list[Member], list[Problem]]:
     """Return what is to be played, and warnings."""
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import monitors_of, only
-    from eddi_scaffold.packages.running import (
-        check_together,
-        packages_in,
-        robots_of,
-        with_packages,
-    )
+    from eddi_scaffold.packages.running import check_together, packages_in
 
-    config, name, marks, system, models = options
-    folders = [path for path in files if path.is_dir()]
+    config, name, marks, system, models = options.values()
+    others = ", ".join(option for option, value in options.items() if value)
+    folders, places = [path for path in files if path.is_dir()], [workspace] if workspace else []
     problems: Sequence[Problem] = ()
-    if folders or (workspace is not None and not files and not config):
-        if len(folders) < len(files) or any(options) or (folders and workspace):
-            raise EddiError(problem("G000.package", Place(str(next(iter(folders), workspace)))))
-        members = [*packages_in(workspace, folders, code=code).values()]
+    if folders or (workspace and not files and not config):
+        place = Place(str((folders or places)[0]))
+        if len(folders) < len(files) or others or (folders and workspace):
+            raise EddiError(problem("G000.package", place))
+        members = packages_in(folders or places, code=code).members()
+        if not members:
+            raise EddiError(problem("U001.nothing_here", place))
     else:
-        packages = {} if workspace is None else packages_in(workspace, code=code)
+        packages = packages_in(places, code=code)
         source = read_source(files[0]) if len(files) == 1 else None
         if source is not None and is_fleet(source):
-            given = dict(zip(_OF_MONITORS, options, strict=True))
-            if others := ", ".join(option for option, value in given.items() if value):
+            if others:
                 raise EddiError(problem("G000.deployment", others=others))
-            members, problems = robots_of(source, packages)
+            members, problems = packages.with_robots(source)
         else:
             with robot_models(system, models) as (robot, unsure):
-                model_files, configs = _models_and_configs(files, config or [], robot)
-                monitors, problems = monitors_of(model_files, configs, name, marks or (), robot)
+                model_files, configs = _models_and_configs(files, config, robot)
+                monitors, problems = monitors_of(model_files, configs, name, marks, robot)
             if not configs:
                 only(monitors)
-            members = with_packages(monitors, packages)
+            members = packages.with_monitors(monitors)
             problems = [*unsure, *problems, *_unused_lines(members, configs)]
     check_together(members)
     return members, [*problems]
-
-
-_OF_MONITORS = ("--config", "--name", "--default-guarantee", "--system", "--models")
 
 
 def _unused_lines(members: Sequence[Member], configs: Sequence[Path]) -> Iterator[Problem]:

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stdout
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -27,68 +27,89 @@ from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.packages.upgrading import groups, monitor_of_text
 from eddi_scaffold.recordings.members import Code, Member
 
-Packages = dict[tuple[str, str], Member]
-"""Robot (empty where there is one only) and name of a package -> its monitor."""
+
+@dataclass(frozen=True)
+class Packages:
+    """Packages of monitors, none of which is loaded yet."""
+
+    folders: Mapping[Path, Mapping[str, Any]]  # with its answers
+    robots: Mapping[Path, str]  # the robot of a folder, where there are several
+    code: bool  # whether their code runs
+
+    def members(self) -> list[Member]:
+        """Return the monitors of all; with several robots each in the namespace of its name."""
+        return [
+            replace(self._loaded(folder), namespace=f"/{robot}" if robot else "")
+            for folder, robot in self.robots.items()
+        ]
+
+    def with_monitors(
+        self, monitors: Sequence[BoundMonitor], robot: str = "", namespace: str = ""
+    ) -> list[Member]:
+        """Return monitors in the namespace of a robot, those of which there is a package as it is.
+
+        Raises:
+            EddiError: one cannot be run (I020).
+        """
+        known = {folder.name: folder for folder, of in self.robots.items() if of == robot}
+        members = []
+        for monitor in monitors:
+            folder = known.get(monitor.package)
+            member = Member(monitor) if folder is None else self._loaded(folder)
+            members.append(replace(member, namespace=namespace))
+        return members
+
+    def with_robots(self, source: Source) -> tuple[list[Member], list[Problem]]:
+        """Return the same for the robots of a deployment file, and warnings.
+
+        Raises:
+            EddiError: it, or what it names, has errors.
+        """
+        sites, problems = sites_of(source, checked_models)
+        return [
+            member
+            for site in sites
+            for member in self.with_monitors(site.monitors, site.name, site.robot.form.prefix)
+        ], problems
+
+    def _loaded(self, folder: Path) -> Member:
+        return load(folder, self.folders[folder], code=self.code)
 
 
-def packages_in(
-    workspace: Path | None, folders: Sequence[Path] = (), *, code: bool = True
-) -> Packages:
-    """Return the packages in a workspace, in those of several robots, or in some folders.
+def packages_in(places: Sequence[Path], *, code: bool = True) -> Packages:
+    """Find packages: in workspaces, in folders with those of several robots, or the folders.
 
     Raises:
-        EddiError: there are none (U001), or one cannot be run (I020, T005).
+        EddiError: there are none (U001), or the answers of one are damaged (T005).
     """
-    places = [workspace] if workspace is not None else folders
-    packages = {}
+    folders, robots = {}, {}
     for place in places:
         for group in groups(place.resolve() if place.is_symlink() else place, ()):
             for name, answers in group.present.items():
                 if "facts_json" in answers:
-                    member = load(group.root / name, answers, code=code)
-                    namespace = f"/{group.robot}" if group.robot else ""
-                    packages[group.robot, name] = replace(member, namespace=namespace)
-    return packages
-
-
-def with_packages(
-    monitors: Sequence[BoundMonitor], packages: Packages, robot: str = "", namespace: str = ""
-) -> list[Member]:
-    """Return monitors in the namespace of a robot, those of which there is a package as it is."""
-    members = []
-    for monitor in monitors:
-        member = packages.get((robot, monitor.package)) or Member(monitor)
-        members.append(replace(member, namespace=namespace))
-    return members
-
-
-def robots_of(source: Source, packages: Packages) -> tuple[list[Member], list[Problem]]:
-    """Return the monitors of all robots of a deployment file, and warnings.
-
-    Raises:
-        EddiError: it, or what it names, has errors.
-    """
-    sites, problems = sites_of(source, checked_models)
-    return [
-        member
-        for site in sites
-        for member in with_packages(site.monitors, packages, site.name, site.robot.form.prefix)
-    ], problems
+                    folders[group.root / name], robots[group.root / name] = answers, group.robot
+    return Packages(folders, robots, code)
 
 
 def check_together(members: Sequence[Member]) -> None:
     """Refuse members that nobody could play together.
 
     Raises:
-        EddiError: claims rest on themselves (D003), or two publish one topic (D005).
+        EddiError: two have one name (G004), claims rest on themselves (D003), or two publish one
+            topic (D005).
     """
     monitors = [wired(m.monitor, m.namespace) for m in members if m.monitor.config is not None]
     problems = [*check_rings(monitors), *check_topics(Deployment(monitors))]
+    first: dict[str, Member] = {}
+    for member in members:
+        if (other := first.setdefault(member.name, member)) is not member:
+            both = f"{other.monitor.model.name!r} and {member.monitor.model.name!r}"
+            problems.append(problem("G004.same_package", both=both, package=member.name))
     if has_errors(problems):
         raise EddiError(*problems)
 
 
-def load(folder: Path, answers: dict[str, Any], *, code: bool = True) -> Member:
+def load(folder: Path, answers: Mapping[str, Any], *, code: bool = True) -> Member:
     """Return the monitor of a package; EddiError I020 if it is none, or its code does not run."""
     place = Place(str(folder))
     rejoined = monitor_of_text(folder, answers)

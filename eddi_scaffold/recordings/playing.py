@@ -149,12 +149,12 @@ def _lines(member: Member, binding: InputBinding, eddi_input: Any) -> Process:
 def _in_order(monitors: Sequence[PlayedMonitor]) -> list[PlayedMonitor]:
     """Return publishers before those who listen to them, as far as no two listen to each other."""
     ordered: list[PlayedMonitor] = []
-    begun: set[str] = set()
+    begun: set[int] = set()
 
     def visit(monitor: PlayedMonitor) -> None:
-        if monitor.name in begun:
+        if id(monitor) in begun:
             return
-        begun.add(monitor.name)
+        begun.add(id(monitor))
         for other in monitors:
             if other.publisher is not None and other.publisher.topics & monitor.sources.keys():
                 visit(other)
