@@ -54,11 +54,13 @@ def run(
         bag: ROS 1 or 2 bag with the topics of the configurations.
         config: eddi_config.yml: ages, defaults, units; may be repeated.
         workspace: Workspace or output folder: its packages run, or of them those of the files.
+        name: Which model of the file, or robot of a deployment.yml.
         no_code: Leave out the code of packages.
         steps_as: As the node would, by mode and frequency, or one for each row.
         as_csv: Print every step as CSV: t and each value.
         plot: SVG to draw into: inputs and outputs; of several monitors, their verdicts.
     """
+    from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.recordings.bags import read_bag
     from eddi_scaffold.recordings.members import read_values
@@ -77,8 +79,9 @@ def run(
         raise EddiError(problem("G000.one_monitor", one_only="--csv", names=names))
     without = any(member.monitor.config is None for member in members)
     if inputs is not None:
-        beside = partial(_inputs_beside, [*(files or []), *(config or [])])
-        members, recording, more = read_values(read_source(inputs), members, beside)
+        beside = [path for path in (*(files or []), *(config or [])) if path.is_file()]
+        others = partial(inputs_of_others, beside)
+        members, recording, more = read_values(read_source(inputs), members, others)
         if without:
             hint = "generate the package with -c" if members[0].code else "give it with -c"
             more = [*more, problem("I016", hint=hint)]
@@ -137,9 +140,9 @@ def _members(
         packages = packages_in(places, code=code)
         source = read_source(files[0]) if len(files) == 1 else None
         if source is not None and is_fleet(source):
-            if others:
+            if others not in ("", "--name"):
                 raise EddiError(problem("G000.deployment", others=others))
-            members, problems = packages.with_robots(source)
+            members, problems = packages.with_robots(source, name)
         else:
             with robot_models(system, models) as (robot, unsure):
                 model_files, configs = _models_and_configs(files, config, robot)
@@ -184,10 +187,3 @@ def _models_and_configs(
             place = Place(str(path))
             raise EddiError(problem("F003.configuration_without_model", place, path=path))
     return models, [*configs, *(path for path in sources if path not in models)]
-
-
-def _inputs_beside(files: Sequence[Path]) -> dict[str, str]:
-    """Return what to do with inputs of other configurations in the folders of these."""
-    from eddi_scaffold.monitors.survey import inputs_of_others
-
-    return inputs_of_others([path for path in files if path.is_file()])

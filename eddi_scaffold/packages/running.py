@@ -17,7 +17,14 @@ from typing import Any
 from eddi_runtime.plain_values import one_line
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
+from eddi_scaffold.common.problems import (
+    EddiError,
+    Place,
+    Problem,
+    did_you_mean,
+    has_errors,
+    problem,
+)
 from eddi_scaffold.deployments.fleet_checks import sites_of
 from eddi_scaffold.deployments.support import check_rings, wired
 from eddi_scaffold.deployments.topics import Deployment, check_topics
@@ -32,15 +39,15 @@ from eddi_scaffold.recordings.members import Code, Member
 class Packages:
     """Packages of monitors, none of which is loaded yet."""
 
-    folders: Mapping[Path, Mapping[str, Any]]  # with its answers
-    robots: Mapping[Path, str]  # the robot of a folder, where there are several
+    # folder -> its robot, empty where there is one only, and its answers
+    folders: Mapping[Path, tuple[str, Mapping[str, Any]]]
     code: bool  # whether their code runs
 
     def members(self) -> list[Member]:
         """Return the monitors of all; with several robots each in the namespace of its name."""
         return [
             replace(self._loaded(folder), namespace=f"/{robot}" if robot else "")
-            for folder, robot in self.robots.items()
+            for folder, (robot, _) in self.folders.items()
         ]
 
     def with_monitors(
@@ -51,7 +58,7 @@ class Packages:
         Raises:
             EddiError: one cannot be run (I020).
         """
-        known = {folder.name: folder for folder, of in self.robots.items() if of == robot}
+        known = {folder.name: folder for folder, (of, _) in self.folders.items() if of == robot}
         members = []
         for monitor in monitors:
             folder = known.get(monitor.package)
@@ -59,21 +66,30 @@ class Packages:
             members.append(replace(member, namespace=namespace))
         return members
 
-    def with_robots(self, source: Source) -> tuple[list[Member], list[Problem]]:
-        """Return the same for the robots of a deployment file, and warnings.
+    def with_robots(
+        self, source: Source, name: str | None = None
+    ) -> tuple[list[Member], list[Problem]]:
+        """Return the same for the robots of a deployment file, or for one, and warnings.
 
         Raises:
-            EddiError: it, or what it names, has errors.
+            EddiError: it, or what it names, has errors, or has no robot of this name (F005).
         """
         sites, problems = sites_of(source, checked_models)
+        names = [site.name for site in sites]
+        if name is not None and name not in names:
+            hint = did_you_mean(name, names) or f"there are: {', '.join(names)}"
+            raise EddiError(
+                problem("F005", Place(source.name), hint=hint, kind=f"no robot {name!r}")
+            )
         return [
             member
             for site in sites
+            if name in (None, site.name)
             for member in self.with_monitors(site.monitors, site.name, site.robot.form.prefix)
         ], problems
 
     def _loaded(self, folder: Path) -> Member:
-        return load(folder, self.folders[folder], code=self.code)
+        return load(folder, self.folders[folder][1], code=self.code)
 
 
 def packages_in(places: Sequence[Path], *, code: bool = True) -> Packages:
@@ -82,13 +98,13 @@ def packages_in(places: Sequence[Path], *, code: bool = True) -> Packages:
     Raises:
         EddiError: there are none (U001), or the answers of one are damaged (T005).
     """
-    folders, robots = {}, {}
+    folders = {}
     for place in places:
         for group in groups(place.resolve() if place.is_symlink() else place, ()):
             for name, answers in group.present.items():
                 if "facts_json" in answers:
-                    folders[group.root / name], robots[group.root / name] = answers, group.robot
-    return Packages(folders, robots, code)
+                    folders[group.root / name] = group.robot, answers
+    return Packages(folders, code)
 
 
 def check_together(members: Sequence[Member]) -> None:

@@ -168,22 +168,22 @@ def read_values(
     members = _with_columns(members, header_of(file))
     types: dict[str, InputType] = {}
     units: dict[str, str | None] = {}
-    for member in members:
-        for binding in member.monitor.inputs:
-            if (column := member.columns.get(binding.model.id)) is not None:
-                types[column], units[column] = binding.model.type, binding.unit
     topics: dict[str, _OneValue] = {}
-    unreached: dict[str, None] = {}
-    for member, binding, topic, type_ in _read_outside(members):
-        if (made := member.message_of(type_)) is not None:
-            topics[topic], types[topic] = made, made.value_type
-        else:
-            unreached[f"{member.name}.{binding.model.id}"] = None
-    for member in members:
-        for binding in member.monitor.inputs:
-            is_given, id_ = binding.model.id in member.columns, binding.model.id
-            if is_given and member.is_by_hand(binding) and member.message_for(binding) is None:
-                unreached[f"{member.name}.{id_}"] = None
+    unreached: dict[str, None] = {}  # inputs
+    shared = published(members)
+    pairs = [(member, of) for member in members for of in member.monitor.inputs]
+    for member, binding in pairs:
+        if (column := member.columns.get(binding.model.id)) is not None:
+            types[column], units[column] = binding.model.type, binding.unit
+            if member.is_by_hand(binding) and member.message_for(binding) is None:
+                unreached[f"{member.name}.{binding.model.id}"] = None
+            continue
+        for source in binding.requires:
+            topic, made = member.topic(source.topic), member.message_of(source.type)
+            if made is not None and topic not in shared:
+                topics[topic], types[topic] = made, made.value_type
+            elif topic not in shared:
+                unreached[f"{member.name}.{binding.model.id}"] = None
     recording, problems = read_recording(file, types, others)
     samples = (
         replace(s, message=topics[s.topic].message(s.message)) if s.topic in topics else s
@@ -218,18 +218,6 @@ def _with_columns(members: Sequence[Member], header: Sequence[str]) -> list[Memb
                 raise EddiError(problem("G000.one_column", id=id_, first=first, second=member.name))
         result.append(replace(member, columns=columns))
     return result
-
-
-def _read_outside(
-    members: Sequence[Member],
-) -> Iterator[tuple[Member, InputBinding, str, str]]:
-    """Yield each topic with its type that an input reads and no member publishes."""
-    shared = published(members)
-    for member in members:
-        for binding in member.monitor.inputs:
-            for source in () if binding.model.id in member.columns else binding.requires:
-                if source.type and (topic := member.topic(source.topic)) not in shared:
-                    yield member, binding, topic, source.type
 
 
 def _more_than_all(

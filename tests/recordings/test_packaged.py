@@ -78,14 +78,6 @@ def test_a_bag_reaches_every_line(folder: Path, package: Path) -> None:
     assert states(result.out) == ["11"], result.err  # another guarantee is active
 
 
-def test_lines_that_raise_are_told_once(folder: Path, package: Path) -> None:
-    write(package, BODY, "self.RtE_A_E0 = RtE_E0.value")
-    result = run("run", package, "--inputs", "recording.csv", cwd=folder)
-    assert_reported("I014", result.err)
-    assert result.err.count("[I014]") == 1
-    assert "waits for RtE_A_E0" in result.out
-
-
 def test_a_configuration_says_that_lines_are_not_used_and_executes_none(
     folder: Path, package: Path
 ) -> None:

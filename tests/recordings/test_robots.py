@@ -2,7 +2,7 @@
 
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
@@ -90,15 +90,6 @@ def test_the_first_exception_of_each_input_is_told(folder: Path) -> None:
         assert [time in line for line in done.err.splitlines() if place in line] == [True]
 
 
-def test_what_a_csv_cannot_reach_is_named(folder: Path) -> None:
-    body(folder, "a", DEMAND, NOT)
-    rows(folder / "r.csv", "/rte/e0a,RtE_A_D0", "0,true,true")
-    package = "ws/src/eddi_monitor/conserta"
-    done = run("run", package, "--inputs", "r.csv", cwd=folder)
-    assert_reported("I001", done.err)
-    assert "for ConSertA.RtE_A_D0:" in done.err
-
-
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -132,7 +123,7 @@ def test_nothing_runs_where_no_monitor_is(folder: Path) -> None:
     rows(folder / "r.csv", "/rte/e0b", "0,true")
     told(folder, "ws/src/eddi_monitor/eddi_messages", status=2)
     told(folder, "ws/src/eddi_monitor/consertb", "-c", "consert_b_config.yml", status=2)
-    told(folder, str(ROOT / "examples/two-robots/deployment.yml"), "--name", "arm", status=2)
+    told(folder, str(ROOT / "examples/two-robots/deployment.yml"), "--name", "am", status=2)
 
 
 LINK = """
@@ -213,12 +204,11 @@ class Word:
 def test_recorded_words_count_for_their_lease(tmp_path: Path) -> None:
     """One robot alone, and what another one said: as if it had answered this one."""
     deployment = ROOT / "examples/two-robots/deployment.yml"
-    members, _ = packages_in([]).with_robots(read_source(deployment))
-    (cart,) = [member for member in members if member.name == "cart/cart"]
+    (cart,), _ = packages_in([]).with_robots(read_source(deployment), "cart")
     assert cart.fleet is not None
     rows(tmp_path / "r.csv", "/cart/scanner/free", *(f"{k / 10},true" for k in range(60)))
     (cart,), recording, _ = read_values(read_source(tmp_path / "r.csv"), [cart])
-    cart = type(cart)(cart.monitor, cart.namespace)  # the demand is no column
+    cart = replace(cart, columns={})  # the demand is no column
     parked = blank("eddi_messages/RobotGuarantee")
     parked.id, parked.active = "Parked", True
     digest = cart.fleet.sources[0].digest

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.recordings.bags import opened
 from tests.cli.command import EXAMPLE, edit, run
 from tests.ros1.world import PYTHON, demand, until
 
@@ -37,20 +38,14 @@ def changes(said):
 
 def recorded(bag):
     """Return name of a monitor -> the changes of its verdicts, in seconds of the bag."""
-    from rosbags.rosbag1 import Reader
-
-    from eddi_scaffold.recordings.bag_files import Bag
-
     said = {name: [] for name in TOPICS}
-    with Reader(bag) as reader:
-        start = reader.start_time
-    opened = Bag(bag, {})
-    for connection, t, data in opened.messages(opened.connections):
-        for name, topic in TOPICS.items():
-            if connection.topic == topic:
-                rows = opened.deserialize(connection, data).guarantees
-                said[name].append(((t - start) / 1e9, {row.id for row in rows if row.active}))
-    opened.close()
+    with opened(bag) as reader:
+        for connection, t, data in reader.messages(reader.connections):
+            name = connection.topic.split("/")[1]
+            if name in said:
+                rows = reader.deserialize(connection, data).guarantees
+                active = {row.id for row in rows if row.active}
+                said[name].append(((t - reader.start_time) / 1e9, active))
     return {name: changes(of) for name, of in said.items()}
 
 
