@@ -284,5 +284,5 @@ def _absent(place: Place, topics: Mapping[str, str], listeners: Listeners) -> It
         similar = most_similar(topic, same_type) or most_similar(topic, topics)
         hints += [f"the bag has {similar} ({topics[similar]})"] if similar else []
     hint = ", ".join(dict.fromkeys(hints)) or None
-    names = ", ".join(source.topic for source in lacking.values())
+    names = ", ".join(lacking)
     yield problem("I004.no_message", place, hint=hint, lacking=names)
