@@ -13,8 +13,9 @@ from eddi_scaffold.common.claims import State
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
+from eddi_scaffold.recordings.members import Member
 from eddi_scaffold.recordings.node import Publications, blank
-from eddi_scaffold.recordings.playing import PlayedMonitor, of_messages, play, step_rule
+from eddi_scaffold.recordings.playing import PlayedMonitor, play, played
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
 CASES = {
@@ -29,7 +30,7 @@ def test_values(name: str, tmp_path: Path) -> None:
     for file, text in case["files"].items():
         (tmp_path / file).write_text(text, encoding="utf-8")
     monitors, _ = monitors_of(None, [tmp_path / one for one in case["configurations"]])
-    parts = of_messages(monitors, [step_rule(one) for one in monitors])
+    parts = played([Member(monitor) for monitor in monitors])
     by_name = {one.id: one for one in monitors}
     values: dict[tuple[int, str], Mapping[str, str]] = {}
     whys: dict[tuple[int, str], Mapping[str, ClaimWhy]] = {}
