@@ -36,7 +36,7 @@ def warehouse() -> tuple[Published, ...]:
 
 
 def _warehouse() -> Iterator[Published]:
-    monitors, _ = monitors_of(None, sorted(ROBOT.glob("*_config.yml")))
+    monitors, _ = monitors_of(None, [ROBOT / "robot.yml"])
     parts = of_messages(monitors, [step_rule(one) for one in monitors])
     tape, _ = read_bag(ROBOT / "shift.bag", monitors, published(monitors))
     for part, frame in play(parts, tape):
