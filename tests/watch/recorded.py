@@ -37,7 +37,7 @@ def warehouse() -> tuple[Published, ...]:
 
 
 def _warehouse() -> Iterator[Published]:
-    monitors, _ = monitors_of(None, sorted(ROBOT.glob("*_config.yml")))
+    monitors, _ = monitors_of(None, [ROBOT / "robot.yml"])
     members = [Member(monitor) for monitor in monitors]
     recording, _ = read_bag(ROBOT / "shift.bag", members)
     for part, frame in play(played(members), recording):
