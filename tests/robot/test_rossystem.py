@@ -11,7 +11,7 @@ import pytest
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.connect.robot import read_robot
 from eddi_scaffold.connect.rossystem import Filters, Parsed, parse
-from tests.data_files import data_text, tabled
+from tests.data_files import data_text, tabled, write_files
 
 SYSTEM = data_text("robot/robot.rossystem")
 MAST = data_text("robot/mast.rossystem")
@@ -24,9 +24,7 @@ IDS = ["image", "scan", "ticks", "load"]
 def robot(tmp_path: Path) -> Path:
     files = {"robot.rossystem": SYSTEM, "mast.rossystem": MAST}
     files |= {"laser.ros1": LASER, "others.ros1": OTHERS}
-    for name, text in files.items():
-        (tmp_path / name).write_text(text, "utf-8")
-    return tmp_path
+    return write_files(tmp_path, files)
 
 
 def parsed(folder: Path, **options: Any) -> Parsed:

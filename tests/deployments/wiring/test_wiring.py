@@ -13,7 +13,7 @@ from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.cli.command import Result, run
-from tests.data_files import ORACLES, data_text
+from tests.data_files import ORACLES, data_text, write_files
 from tests.package_texts import facts_in
 
 CONSERT = data_text("deployments/consert.yml")
@@ -134,8 +134,7 @@ WORKSPACE = Path("src/eddi_monitor")
 
 
 def _generate(case: dict[str, Any], configs: list[str], target: Path) -> Result:
-    for name, text in case["files"].items():
-        (target.parent / name).write_text(text, "utf-8")
+    write_files(target.parent, case["files"])
     target.mkdir(exist_ok=True)
     place = ["-w" if case["platform"] == "ros1" else "-o", target]
     given = [word for config in configs for word in ("-c", config)]
