@@ -11,6 +11,7 @@ import pytest
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.connect.robot import read_robot
 from eddi_scaffold.connect.rossystem import Filters, Parsed, parse
+from tests.cli.command import edit
 from tests.data_files import data_text, tabled, write_files
 
 SYSTEM = data_text("robot/robot.rossystem")
@@ -34,12 +35,6 @@ def parsed(folder: Path, **options: Any) -> Parsed:
     if found.is_changed:
         (folder / "c.yml").write_text(found.after, "utf-8")
     return found
-
-
-def edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text("utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new, 1), "utf-8")
 
 
 def ids(text: str) -> list[str]:

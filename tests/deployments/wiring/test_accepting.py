@@ -6,7 +6,7 @@ from pathlib import Path
 from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.packages.assembly import monitors_of
-from tests.cli.command import run
+from tests.cli.command import edit, run
 from tests.data_files import data_text, tabled
 from tests.deployments.wiring.test_wiring import CONSERT
 
@@ -35,8 +35,7 @@ def test_the_monitor_is_told_what_it_cannot_see(entry, keys, tmp_path):
 def test_infinity_is_accepted_by_whoever_writes_it(expression, keys, tmp_path):
     entry = f", expression: {json.dumps(expression)}, max_age: 1.0"
     config = written(tmp_path, entry, ", parameters: [{model: base.yml}]")
-    text = config.read_text("utf-8").replace("std_msgs.Bool", "sensor_msgs.LaserScan")
-    config.write_text(text, "utf-8")
+    edit(config, "std_msgs.Bool", "sensor_msgs.LaserScan")
     (monitor,), _ = monitors_of(None, [config])
     (spec,) = monitor.compiled.monitor(monitor.id).inputs
     assert [*spec.accepts] == keys

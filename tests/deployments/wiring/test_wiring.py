@@ -12,7 +12,7 @@ from eddi_scaffold.deployments.support import WiredMonitor, wired
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
-from tests.cli.command import Result, run
+from tests.cli.command import Result, edit, run
 from tests.data_files import ORACLES, data_text, write_files
 from tests.package_texts import facts_in
 
@@ -65,10 +65,8 @@ def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
     """A guarantee on a std_msgs topic: false is also UNKNOWN there, whatever it is read for."""
     member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")
     path = tmp_path / "base_config.yml"
-    text = path.read_text("utf-8").replace(
-        "EDDIOutputs: [", "EDDIOutputs: [{id: g, topic: base/g, field: 'guarantees[G].active'}, "
-    )
-    path.write_text(text, "utf-8")
+    alone = "{id: g, topic: base/g, field: 'guarantees[G].active'}"
+    edit(path, "EDDIOutputs: [", f"EDDIOutputs: [{alone}, ")
     base = wired(monitors_of(None, [path])[0][0])
     source = "  - {id: g, type: std_msgs.Bool, topic: base/g}"
     good = member(tmp_path, "good", "good/out", source, "requires: [g]")
@@ -96,7 +94,7 @@ def test_class_names_are_the_ids_that_others_read(tmp_path: Path) -> None:
     with pytest.raises(EddiError) as refused:
         monitors_of(None, ring)
     assert codes(list(refused.value.problems)) == ["D003"]
-    ring[0].write_text(ring[0].read_text("utf-8").replace("AllFine", "all_fine"))
+    edit(ring[0], "AllFine", "all_fine")
     with pytest.raises(EddiError) as refused:
         monitors_of(None, ring)
     assert "b publishes no 'all_fine'" in str(refused.value)
