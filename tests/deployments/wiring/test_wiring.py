@@ -103,23 +103,10 @@ def test_class_names_are_the_ids_that_others_read(tmp_path: Path) -> None:
 def test_silence_is_followed_through_another_input(tmp_path: Path) -> None:
     """An expression that turns another input round turns what that one reads round."""
     member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")
-    source = "  - {id: b, type: eddi_messages.ConSertOutput, topic: base/out}"
-    (tmp_path / "e.events").write_text(
-        "VAR g : BOOL TIMEOUT 1s\nVAR h : BOOL TIMEOUT 1s\nEVENT ok (EVIDENCE) := h AND (g OR h)",
-        "utf-8",
-    )
-    config = tmp_path / "e_config.yml"
-    config.write_text(
-        f"Model: {{id: e, type: Event, parameters: [{{file: e.events}}]}}\n"
-        f"SimulatorOutputs:\n{source}\n"
-        "EDDIInputs:\n"
-        "  - {id: g, type: bool, requires: [b], field: 'guarantees[G].active', max_age: 1}\n"
-        "  - {id: h, type: bool, expression: NOT g, max_age: 1}\n"
-        "EDDIOutputs: [{id: o, topic: e/out}]\n",
-        "utf-8",
-    )
+    names = ("turned.events", "turned_config.yml")
+    write_files(tmp_path, {name: data_text(f"deployments/{name}") for name in names})
     with pytest.raises(EddiError) as refused:
-        monitors_of(None, [tmp_path / "base_config.yml", config])
+        monitors_of(None, [tmp_path / "base_config.yml", tmp_path / names[1]])
     (problem,) = refused.value.problems
     assert (problem.code, problem.message.partition(" by ")[0]) == (
         "D001", "input 'g' gains from silence",
