@@ -16,6 +16,7 @@ from eddi_scaffold.recordings.csv_recording import Recording, Sample
 from eddi_scaffold.recordings.members import Member
 from eddi_scaffold.recordings.node import Publications, blank
 from eddi_scaffold.recordings.playing import PlayedMonitor, play, played
+from tests.data_files import write_files
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
 CASES = {
@@ -27,8 +28,7 @@ VALUES: Mapping[State, str] = {"active": "true", "not active": "false", "unknown
 @pytest.mark.parametrize("name", CASES)
 def test_values(name: str, tmp_path: Path) -> None:
     case = CASES[name]
-    for file, text in case["files"].items():
-        (tmp_path / file).write_text(text, encoding="utf-8")
+    write_files(tmp_path, case["files"])
     monitors, _ = monitors_of(None, [tmp_path / one for one in case["configurations"]])
     parts = played([Member(monitor) for monitor in monitors])
     by_name = {one.id: one for one in monitors}

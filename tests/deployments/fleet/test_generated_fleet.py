@@ -22,7 +22,7 @@ from eddi_scaffold.monitors.config_reading import read_file
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.platforms import MeetingPlace
 from eddi_scaffold.yaml_text.nodes import read_map
-from tests.cli.command import ROOT, files_below, run
+from tests.cli.command import ROOT, edit, files_below, run
 from tests.data_files import data_text, tabled
 from tests.diagnosed import assert_reported
 from tests.package_texts import facts_in
@@ -82,14 +82,11 @@ def test_commands_of_a_workspace_take_the_folder_of_all_robots(cell: Path, tmp_p
 def test_hand_edits_stay_when_the_fleet_changes(cell: Path, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(cell, tmp_path / "copy"))
     body = package(folder, "cart", "cart") / "src" / "cart" / "EDDIInput.py"
-    text = body.read_text("utf-8")
-    line = "self.WayIsFree = scanner.data"
-    assert line in text
-    body.write_text(text.replace(line, f"{line}  # mine"), "utf-8")
+    edit(body, "self.WayIsFree = scanner.data", "self.WayIsFree = scanner.data  # mine")
     deployment = folder / "deployment.yml"
     more = "  - {name: arm2, monitors: [{config: arm_config.yml}]}\nBindings:"
-    changed = deployment.read_text("utf-8").replace("Bindings:", more).replace("[arm]", "any")
-    deployment.write_text(changed, "utf-8")
+    edit(deployment, "Bindings:", more)
+    edit(deployment, "[arm]", "any")
     before = files_below(folder / "cell")
     dry = run("generate", "deployment.yml", "-o", "cell", "--dry-run", cwd=folder)
     assert dry.status == 0, dry.err
@@ -101,7 +98,7 @@ def test_hand_edits_stay_when_the_fleet_changes(cell: Path, tmp_path: Path) -> N
     node = (package(folder, "cart", "cart") / "scripts" / "RosNode.py").read_text("utf-8")
     assert "'peer_any_Parked'" in node
 
-    deployment.write_text(deployment.read_text("utf-8").replace("lease: 1.0", "lease: 0.1"))
+    edit(deployment, "lease: 1.0", "lease: 0.1")
     before = files_below(folder)
     assert run("generate", "deployment.yml", "-o", "cell", cwd=folder).status == 2
     assert files_below(folder) == before
