@@ -185,7 +185,9 @@ class Peers:
                 place = (order.get(robot, 0), freshest, robot, session.message.session)
                 receipt = Receipt(session.message, max(session.made_after, 0.0), session.received)
                 known = session.made_after > -math.inf
-                found = Found(Word(robot, why), receipt if known else None)
+                lease = min(self._lease, session.message.lease)
+                word = Word(robot, why, now - session.made_after, lease)
+                found = Found(word, receipt if known else None)
                 candidates.append(((not granted, bool(why), *place), found))
         if not candidates:
             return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
