@@ -1,6 +1,8 @@
 """Networks for tests: files of the oracle, and random ones with a brute-force answer."""
 
+import json
 import math
+from collections.abc import Iterable
 from pathlib import Path
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
@@ -36,6 +38,16 @@ def joined(model: Model, config: str | None = None) -> tuple[BoundMonitor | None
         return None, problems
     monitor, more = monitor_of(model, file)
     return monitor, [*problems, *more]
+
+
+def of_states(outputs: Iterable[str], observed: Iterable[str]) -> str:
+    """Return a configuration in which messages report the states of some nodes."""
+    rows = (f"- {{id: {json.dumps(name)}, requires: [x], max_age: none}}\n" for name in observed)
+    return (
+        f"Model: {{id: net, type: BayesianNetwork, outputs: {json.dumps([*outputs])}}}\n"
+        "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
+        f"EDDIInputs:\n{''.join(rows)}"
+    )
 
 
 def running(monitor: BoundMonitor) -> BayesianNetworkMonitor:
