@@ -180,16 +180,6 @@ def test_other_files_ids_and_what_is_no_reference(text: str, case: str | None) -
     assert end.case == case if isinstance(end, Problem) else end is doc.roots[0][0] and not case
 
 
-def test_an_index_out_of_range_says_the_range() -> None:
-    doc = document("<r><a/><a/></r>")
-    assert doc.references.explain(Fragment(0, "/@a.5")) == (
-        '/ has 2 "a", the index 5 is out of range (0 to 1)'
-    )
-    assert doc.references.explain(Fragment(0, "/@a.1/@b")) == (
-        '//@a.1 has no "b", it has no children'
-    )
-
-
 def test_names_with_points_are_told_from_indices() -> None:
     doc = document("<r><a.b><c/></a.b><a.0/></r>")
     assert doc.references.path(doc.roots[0][0][0]) == "//@a.b.0/@c.0"

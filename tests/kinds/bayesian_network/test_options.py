@@ -198,15 +198,6 @@ def test_evidence_has_a_topic_and_a_message_of_its_own(tmp_path: Path) -> None:
     assert "('evidence', ('id', 'RiskIsLow'), 'active',)" in alone["more"]
 
 
-def test_a_value_beside_the_result_is_published_alone(tmp_path: Path) -> None:
-    row = "\n  - {id: go, topic: go, field: 'evidence[Safe].active'}\n"
-    package, problems = monitor_answers(pedestrian(tmp_path, MORE, row))
-    assert problems == []
-    *_, own = package.answers["publications"]
-    assert (own["topic"], own["type_text"]) == ("'go'", "std_msgs/Bool")
-    assert "of='evidence'," in own["more"]
-
-
 def test_people_are_told_what_evidence_asks_for(tmp_path: Path) -> None:
     monitor = pedestrian(tmp_path, f"{LOW}, {MORE}")
     texts = [
