@@ -101,7 +101,7 @@ def _not(truth: bool | None) -> bool | None:
 def test_sentences_of_the_warehouse_robot() -> None:
     """What the table of situations says, where a recording can show it."""
     folder = HERE / "examples" / "warehouse-robot"
-    monitors, _ = monitors_of(None, sorted(folder.glob("*_config.yml")))
+    monitors, _ = monitors_of(None, [folder / "robot.yml"])
     lines = (folder / "reference_sample.csv").read_text("utf-8").splitlines()
     frames = [line.replace(",", " ") for line in lines if line[:1] != "#"]
     rows = ["t,/lidar/nearest,/localisation/match,/wheels/slip,/battery/level,/drives/available"]
@@ -117,7 +117,7 @@ def test_sentences_of_the_warehouse_robot() -> None:
             frames[k * 7 % len(frames)],
         ]
         rows.append(",".join(map(str, [k / 10, *cells])))
-    parts = of_messages(monitors, [step_rule(one) for one in monitors])
+    parts = played([Member(monitor) for monitor in monitors])
     told = {
         round(frame.t, 1): part.running.why()["FullSpeed"].sentence
         for part, frame in play(parts, _tape("\n".join(rows), monitors))

@@ -17,58 +17,27 @@ from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
 from tests.cli.command import run
-
-TEXT = """\
-VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 1s
-VAR warning : BOOL TIMEOUT 1s
-EVENT hot (EVIDENCE) := AVERAGE(temp, 500ms) > 100 degC AND TIME(warning, 500ms)
-EVENT cold (HAZARD) := temp < 10
-"""
-CONFIG = """\
-Model: {id: overheat, type: Event, frequency: 10, parameters: [{file: overheat.events}]}
-SimulatorOutputs:
-  - {id: temp, type: std_msgs.Float32, topic: /temp}
-  - {id: warning, type: std_msgs.Bool, topic: /warning}
-EDDIInputs:
-  - {id: temp, type: float, requires: [temp], field: data, max_age: 1}
-  - {id: warning, type: bool, requires: [warning], field: data, max_age: 1}
-EDDIOutputs:
-  - {id: overheat, topic: /events}
-"""
+from tests.data_files import data_text
 
 
 def test_each_event_has_a_topic_of_its_own_where_the_configuration_says_so(tmp_path: Path) -> None:
     """Else the last message of a topic may be from any of them: that is no evidence (W005)."""
     config = tmp_path / "eddi_config.yml"
-    (tmp_path / "overheat.events").write_text(TEXT)
-    config.write_text(CONFIG.replace("/events}", "/e, event: hot}"))
+    text = data_text("events/overheat_config.yml")
+    (tmp_path / "overheat.events").write_text(data_text("events/overheat.events"))
+    config.write_text(text.replace("/events}", "/e, event: hot}"))
     (monitor,), problems = monitors_of(None, [config])
     assert "W005" not in {problem.code for problem in problems}
     package, _ = monitor_answers(monitor)
     assert "only='hot'," in package.answers["publications"][0]["more"]
-    config.write_text(CONFIG.replace("/events}", "/e, event: nothing}"))
+    config.write_text(text.replace("/events}", "/e, event: nothing}"))
     (monitor,), _ = monitors_of(None, [config])
     assert [problem.code for problem in monitor_answers(monitor)[1]] == ["K020"]
 
 
-SCAN = """\
-VAR scan.ranges[*] : NUMBER UNIT m TIMEOUT 1s ALLOW INF
-EVENT free (EVIDENCE) := MIN(scan.ranges[*], COVERAGE 0.5) > 80 cm
-"""
-SCAN_CONFIG = """\
-Model: {id: scanner, type: Event, frequency: 10, parameters: [{file: scanner.events}]}
-SimulatorOutputs:
-  - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}
-EDDIInputs:
-  - {id: "scan.ranges[*]", type: "float[]", requires: [scan], field: ranges}
-EDDIOutputs:
-  - {id: scanner, topic: /events}
-"""
-
-
 def test_a_list_is_an_input_of_a_monitor(tmp_path: Path) -> None:
-    (tmp_path / "scanner.events").write_text(SCAN)
-    (tmp_path / "eddi_config.yml").write_text(SCAN_CONFIG)
+    (tmp_path / "scanner.events").write_text(data_text("events/scanner.events"))
+    (tmp_path / "eddi_config.yml").write_text(data_text("events/scanner_config.yml"))
     rows = ["0,1 2 nan", "0.1,1 nan nan", "0.2,0.5 2 inf", "0.3,", "0.4,"]
     (tmp_path / "values.csv").write_text("\n".join(["t,scan.ranges[*]", *rows]) + "\n")
     assert run("check", "eddi_config.yml", "scanner.events", cwd=tmp_path).status == 0
@@ -83,9 +52,9 @@ def test_a_list_is_an_input_of_a_monitor(tmp_path: Path) -> None:
 
 
 def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) -> None:
-    (tmp_path / "scanner.events").write_text(SCAN)
+    (tmp_path / "scanner.events").write_text(data_text("events/scanner.events"))
     config = tmp_path / "eddi_config.yml"
-    config.write_text(SCAN_CONFIG)
+    config.write_text(data_text("events/scanner_config.yml"))
     (made,), _ = monitors_of(None, [config])
     monitor = made.compiled.monitor(made.id)
     (name,) = [spec.attribute for spec in monitor.inputs]
@@ -102,11 +71,7 @@ def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) 
 
 MODELS = Path(__file__).parents[2] / "eddi_xml" / "models"
 LANDING = (MODELS / "landing.xml").read_text("utf-8")
-EVENTS = """// of the winding
-VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 500ms
-EVENT hot (HAZARD) := ONCE(temp > 80 degC, 2s)
-EVENT MotorFit (EVIDENCE) := AVERAGE(temp, 2s) < 70 degC AND NOT hot
-"""
+EVENTS = data_text("events/winding.events")
 
 
 def models(text: str) -> dict[str, Model]:

@@ -10,10 +10,11 @@ import pytest
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
 from eddi_scaffold.recordings.playing import compiled
+from tests.checkouts import HERE
 from tests.cli.command import run
 from tests.kinds.reliability.monitors import read_text
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "drone"
+EXAMPLE = HERE / "examples" / "drone"
 
 
 def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
@@ -30,25 +31,10 @@ def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
     assert run("export", *words, "--kind", "consert", cwd=EXAMPLE).status == 2
 
 
-EVERY_INPUT = """
-horizon: mission_end
-mission_time: 1 h
-top: all
-models:
-  lift: {type: propulsion, configuration: PNPN, rate: 1.0e-5 1/h, status: list}
-  drive: {type: markov, initial: ok, fail: dead, arcs: [{from: ok, to: dead, rate: 1.0e-6 1/h}],
-    observe: {ok: drive_ok, dead: not drive_ok}}
-  tree: {type: fault_tree, gates: {g: {type: OR, of: [e]}},
-    events: {e: {rate: 1.0e-5 1/h, observed: true}}}
-  all: {type: series, of: [lift, drive, tree]}
-"""
-
-
-@pytest.mark.parametrize("text", [None, EVERY_INPUT])
-def test_the_example_of_a_package_has_everything_in_order(tmp_path: Path, text: str | None) -> None:
-    path = EXAMPLE / "airframe.yml" if text is None else tmp_path / "small.yml"
-    if text is not None:
-        path.write_text(text)
+@pytest.mark.parametrize(
+    "path", [EXAMPLE / "airframe.yml", HERE / "tests/data/reliability/every_input.yml"]
+)
+def test_the_example_of_a_package_has_everything_in_order(path: Path) -> None:
     (monitor,), _ = monitors_of(path, [])
     answers = PLATFORM.monitor(monitor)[0].answers
     given = dict(one.split("=", 1) for one in answers["sample_inputs"])
