@@ -18,7 +18,7 @@ from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone import keep_in_folder, module_name, unique_names
 from tests.conditions import c_program
 from tests.conditions.formulas import DECLARATIONS, recording
-from tests.data_files import data_text, write_files
+from tests.data_files import data_text, tabled, write_files
 from tests.interpreters import old_python
 
 TEXT = data_text("conditions/demo.events")
@@ -158,17 +158,7 @@ def written(folder: Path, target: Any, text: str, edits: dict[str, str]) -> None
         (folder / name).write_text(edited)
 
 
-@pytest.mark.parametrize(
-    ("target", "old", "new"),
-    [
-        (
-            "python",
-            "        raise NotImplementedError('x')\n",
-            "        return self.sensor.x  # by me\n",
-        ),
-        ("c", "    return NAN;\n", "    return sensor_x(); /* by me */\n"),
-    ],
-)
+@tabled
 def test_hand_written_bodies_stay(target: Any, old: str, new: str, tmp_path: Path) -> None:
     written(tmp_path, target, "VAR x : NUMBER TIMEOUT 1s x > 5", {old: new})
     files = generate(

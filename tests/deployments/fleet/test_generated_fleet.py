@@ -116,19 +116,8 @@ def test_hand_edits_stay_when_the_fleet_changes(cell: Path, tmp_path: Path) -> N
     assert "arm2 is no robot of the deployment file" in result.err
 
 
-@pytest.mark.parametrize(
-    ("station", "platform", "graph"),
-    [
-        ("", "dds", MeetingPlace("domain", "4")),
-        ("Station: {platform: ros2}", "ros2", MeetingPlace("domain", "4")),
-        ("Station: {platform: dds, domain: 4}", "dds", MeetingPlace("domain", "4")),
-        ("Station: {domain: 5}", "dds", MeetingPlace("domain", "5")),
-        ("Station: {platform: ros1, name: desk}", "ros1", MeetingPlace("master", "")),
-    ],
-)
-def test_the_station_is_where_the_first_robot_is(
-    station: str, platform: str, graph: MeetingPlace
-) -> None:
+@tabled
+def test_the_station_is_where_the_first_robot_is(station, platform, graph):
     arms = "\n".join(
         f"  - {{name: arm{number}, platform: {place}, monitors: [{{config: arm_config.yml}}]}}"
         for number, place in enumerate(["dds, domain: 4", "dds, domain: 5", "ros1"])
@@ -137,9 +126,9 @@ def test_the_station_is_where_the_first_robot_is(
     fleet, problems = read_whole_fleet(source, checked_models)
     assert fleet is not None, problems
     found = with_station(fleet).robots[-1]
-    assert (found.platform.name, found.graph) == (platform, graph)
+    assert (found.platform.name, found.graph) == (platform, MeetingPlace(*graph))
     (binding,) = with_station(fleet).bindings
-    assert binding.fulfilments[0].provider.robot.graph == graph
+    assert binding.fulfilments[0].provider.robot.graph == found.graph
 
 
 def test_how_a_robot_is_started_where_it_meets_others() -> None:
