@@ -157,23 +157,6 @@ def test_every_order_makes_the_same_files(case: dict[str, Any], tmp_path: Path) 
     assert all(one == made[0] for one in made)
 
 
-def test_who_maintains_what_is_shared_does_not_rest_on_the_order(tmp_path: Path) -> None:
-    case = next(case for case in CASES if case["id"] == "reader_first")
-    files = {
-        name: text + ("Package: {maintainer: Ada <ada@example.org>}\n" if "ferry_" in name else "")
-        + ("Package: {maintainer: Bob <bob@example.org>}\n" if "wind_" in name else "")
-        for name, text in case["files"].items()
-    }  # fmt: skip
-    found = set()
-    for number, commands in enumerate(case["sequences"][2:4]):
-        target = tmp_path / str(number)
-        for configs in commands:
-            assert _generate({**case, "files": files}, configs, target).status == 0
-        found.add((_root(case, target) / "eddi_messages/package.xml").read_text("utf-8"))
-    (text,) = found
-    assert "ada@example.org" in text
-
-
 def _age(package: Path, input_: str) -> float | str | None:
     """Return the limit of an input, which the compiled monitor and the model have alike."""
     (age,) = (entry.max_age for entry in facts_in(package).inputs if entry.id == input_)
