@@ -365,7 +365,7 @@ class EDDIInputBase:
         if word is not None:
             claims = [f"{word.robot}/{claim}" for source, claim in spec.claims if source == name]
             text = f"robot {word.robot} silent {{age}}, lease {{limit}}"
-            text = text if word.age > word.lease else word.unfit
+            text = text if word.lease < word.age < math.inf else word.unfit
             return Cause(tuple(claims), "robot", text, topic, (), word.age, word.age, word.lease)
         if state.state == "missing":
             return Cause(path, "never", TEXTS["never"], topic, since=self.__lasting(self.__start))

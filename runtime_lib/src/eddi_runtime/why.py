@@ -300,14 +300,20 @@ def length(value: float) -> str:
     return f"{value:.12g} s" if math.isfinite(value) else "no limit"
 
 
-def shown(value: object, unit: str = "") -> str:
-    """Return a value as a sentence shows it: ``1.2 m``, ``true``, ``fog``; empty for no value."""
+def shown(value: object, unit: str = "", factor: Tuple[int, int] = (1, 1)) -> str:
+    """Return a value as a sentence shows it: ``1.2 m``, ``true``, ``fog``; empty for no value.
+
+    A number is in the unit once it has been multiplied by the factor.
+    """
     given = plain(value)
     if isinstance(given, bool):
         return str(given).lower()
     if isinstance(given, str) or given is None:
         return (given or "")[:60]
-    return f"{figure(given)} {unit}".rstrip()
+    try:
+        return f"{figure(given * factor[0] / factor[1])} {unit}".rstrip()
+    except OverflowError:
+        return "a number that is too large"
 
 
 def figure(value: float) -> str:
