@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.cli.command import ROOT, run
 
@@ -57,6 +58,36 @@ for k in range(12):
     told.processing({"reliability": latest}, k * 10**8)
     found.append(monitor.execute_step(told, k * 10**8)[0]["active"])  # ContinueMission
 assert found == [True] * 6 + [False] * 4 + [True] * 2, found
+"""
+JOINED = """
+from types import SimpleNamespace as Message
+import wind.EDDIInput, wind.EDDIMonitor, ferry.EDDIInput, ferry.EDDIMonitor
+
+mast, below = wind.EDDIInput.EDDIInput(), wind.EDDIMonitor.EDDIMonitor().monitor
+told, above = ferry.EDDIInput.EDDIInput(), ferry.EDDIMonitor.EDDIMonitor().monitor
+for k in range(44):
+    t = k * 10**8
+    if k < 40:
+        speed = Message(data=5.0)
+    mast.processing({"mast": speed}, t)
+    (row,) = below.execute_step(mast, t)
+    verdict = {True: 2, None: 1, False: 0}[row["verdict"]]
+    messages = {"wind": Message(**{**row, "verdict": verdict}), "hatch": Message(data=True)}
+    if k < 10 or k > 40:
+        messages["wind/why"] = below.why()
+    told.processing(messages, t)
+    above.execute_step(told, t)
+    found = above.why()["Sail"]
+    if k == 19:
+        assert (found.verdict, found.sentence) == (2, "")
+cause = "Calm <- calm <- wind <- /mast/wind: nothing for 0.4 s, limit 0.35 s"
+assert found.sentence == "Sail <- " + cause, found
+assert found.causes[0].monitors == ("ferry", "wind")
+del messages["wind/why"]
+told.processing({**messages, "wind": Message(**vars(messages["wind"]))}, t)
+above.execute_step(told, t)
+untold = "Sail <- Calm <- calm: unknown there, its monitor tells no reason"
+assert above.why()["Sail"].sentence == untold, above.why()
 """
 EVERY_KIND = """
 import importlib, json, sys
@@ -126,3 +157,14 @@ def test_every_kind(tmp_path: Path) -> None:
     found = json.loads(program(EVERY_KIND, tmp_path, *packages))
     assert len(found) == 5, found
     assert all(found.values()), found
+
+
+def test_the_reasons_of_another_monitor(tmp_path: Path) -> None:
+    oracle = ROOT / "tests" / "data" / "oracles" / "users" / "chains.yml"
+    case = yaml.load(oracle.read_text("utf-8"), yaml.CSafeLoader)["cases"][0]
+    for name, text in case["files"].items():
+        (tmp_path / name).write_text(text, "utf-8")
+    configs = [word for name in case["configurations"] for word in ("-c", name)]
+    made = run("generate", "--platform", "plain", "-o", ".", *configs, cwd=tmp_path)
+    assert made.status == 0, made.err
+    program(JOINED, tmp_path)
