@@ -194,12 +194,11 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             hold = threshold.limits.hold_ns / 1e9
             since = self._lasting(judge.since)
             return [Cause((), "hold", TEXTS["hold"], since=since, limit=hold)]
-        if one.reason in ("", BETWEEN):
-            lasting, since = (
-                ("", 0.0) if one.reason else (" for {since}", self._lasting(judge.lost))
-            )
-            text = f"{about} {figure(best)}{lasting}, {tail}"
-            return [Cause((), "false", text, since=since, limit=limit)]
+        if not one.reason:
+            text = f"{about} {figure(best)} for {{since}}, {tail}"
+            return [Cause((), "false", text, since=self._lasting(judge.lost), limit=limit)]
+        if one.reason == BETWEEN:
+            return [Cause((), "window", f"{about} {figure(best)}, {tail}", limit=limit)]
         if one.reason not in (UNKNOWN_INPUTS, TOO_MANY):
             return [Cause((), "invalid", REASONS[one.reason])]
         bounds = f"{about} {figure(one.low)} .. {figure(one.high)}, {tail}"

@@ -255,7 +255,8 @@ class Reliability(Monitor[ReliabilityResult]):
             causes = self._of_unknown(unknown, self._faults, detail)
             return [*causes, *([Cause((), "invalid", trouble)] if trouble else [])]
         if not high <= limit:
-            return [Cause((), "false", f"p_fail {figure(high)}, {tail}", limit=limit)]
+            text = f"p_fail {figure(high)}, {tail}"
+            return [Cause((), "window", text, limit=limit, detail=trouble)]
         hold = one.threshold.hold_ns / 1e9
         return [Cause((), "hold", TEXTS["hold"], since=self._lasting(one.since), limit=hold)]
 
