@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from tests.cli.command import ROOT, run
+from tests.monitors.test_spellings import MODELS, ROBOT
 
 pytestmark = pytest.mark.slow
 
@@ -43,6 +44,25 @@ assert drives(whole, lambda k: True) == [True] * 61
 assert drives(whole, lambda k: False) == [True] * 6 + [False] * 55
 assert drives(whole, lambda k: k % 10 == 0) == ([True] * 6 + [False] * 4) * 6 + [True]
 assert drives(stuck, lambda k: True) == [True] * 6 + [False] * 55
+"""
+MONITORS = """
+from types import SimpleNamespace as Message
+from cart.EDDIInput import EDDIInput as Cart
+from cart.EDDIMonitor import EDDIMonitor as CartMonitor
+from fleet.EDDIInput import EDDIInput as Fleet
+from fleet.EDDIMonitor import EDDIMonitor as FleetMonitor
+
+cart, reader, cart_monitor, monitor = Cart(), Fleet(), CartMonitor().monitor, FleetMonitor()
+found = []
+for k in range(50):
+    pressed, now = Message(data=30 <= k < 40), k * 10**8
+    cart.processing({"bumper": pressed}, now)
+    if k < 10 or k >= 25:  # for 1.5 s the cart's monitor is silent
+        told = cart_monitor.message(cart_monitor.execute_step(cart, now))
+    reader.processing({"cart": told}, now)
+    found.append(monitor.execute_step(reader, now)[0]["active"])
+    assert not monitor.monitor.faults(), monitor.monitor.faults()
+assert found == [True] * 20 + [False] * 5 + [True] * 5 + [False] * 10 + [True] * 10, found
 """
 MISSION = """
 from types import SimpleNamespace as Message
@@ -138,6 +158,14 @@ def test_the_cart_of_the_tutorial(tmp_path: Path) -> None:
     plain = ("generate", "--platform", "plain", "-o", ".", "-c", "cart_config.yml")
     assert run(*plain, cwd=tmp_path).status == 0
     program(CART, tmp_path)
+
+
+def test_what_one_monitor_says_is_a_message_for_another(tmp_path: Path) -> None:
+    for name, text in {**MODELS, "robot.yml": ROBOT}.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    plain = ("generate", "--platform", "plain", "-o", ".", "-c", "robot.yml")
+    assert run(*plain, cwd=tmp_path).status == 0
+    program(MONITORS, tmp_path)
 
 
 def test_evidence_of_another_monitor(tmp_path: Path) -> None:

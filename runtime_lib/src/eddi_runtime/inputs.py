@@ -7,7 +7,16 @@ import time
 from contextlib import suppress
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from .plain_values import UNTOLD, Absent, NotGivenError, one_line, plain, read, type_name
+from .plain_values import (
+    UNTOLD,
+    Absent,
+    NotGivenError,
+    as_message,
+    one_line,
+    plain,
+    read,
+    type_name,
+)
 from .why import FALSE, NAN, TEXTS, Cause, holds, named, told
 
 NO_TIME = "the time of the step is no whole number of nanoseconds"
@@ -302,6 +311,7 @@ class EDDIInputBase:
                     self.__age(name, simulator_outputs[name])  # it is noted when it came
         messages = [simulator_outputs.get(name) for name in requires]
         ages = [self.__age(name, message) for name, message in zip(requires, messages)]
+        messages = [as_message(message) for message in messages]
         absent = [name for name, message in zip(requires, messages) if message is None]
         unfit = [self.__words[name].unfit for name in absent if name in self.__words]
         if unfit:
