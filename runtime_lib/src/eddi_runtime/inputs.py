@@ -390,7 +390,7 @@ class EDDIInputBase:
         held: list[tuple[str, ...]] = []
         silent: list[tuple[str, ...]] = []
         for source, id_ in spec.claims:
-            message, key = self.__latest.get(source), f"{source}/why"
+            message, key = as_message(self.__latest.get(source)), f"{source}/why"
             claim = id_ or named(message)
             link = self.__link(source, claim)
             path = () if link == spec.id else (link,)
