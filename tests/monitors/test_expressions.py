@@ -277,3 +277,10 @@ def test_a_var_that_contradicts_the_message_is_an_error() -> None:
         declared = f'declarations: ["VAR battery.percentage : NUMBER {said} TIMEOUT 1s"]\n'
         _, problems = joined(config("expression: battery.percentage > 0.2", more=declared))
         assert [one.code for one in problems if one.level == "error"] == codes
+
+
+def test_percent_is_a_unit_of_numbers() -> None:
+    for text in ("battery.percentage > 20 %", "battery.percentage > 20% AND TRUE"):
+        assert joined(config(f'expression: "{text}"'))[1] == []
+    _, problems = joined(config('expression: "battery.percentage % 2 > 1"'))
+    assert "E001" in {problem.code for problem in problems}
