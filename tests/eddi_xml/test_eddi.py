@@ -10,12 +10,10 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.eddi_xml import vocabulary
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.eddi_xml.parsing import Limits
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
-from tests.cli.command import ROOT
 from tests.data_files import data_text
 from tests.eddi_xml.eddi_texts import ROVER, parsed, texts
 
@@ -24,14 +22,6 @@ def document(text: str) -> EddiDocument:
     found, problems = parsed(text)
     assert problems == []
     return found
-
-
-def test_every_name_that_readers_use_is_in_the_table() -> None:
-    for path in (ROOT / "eddi_scaffold").rglob("*.py"):
-        for name in re.findall(
-            r"\b(?:names|word|vocabulary)\.([A-Z_]+)\b", path.read_text("utf-8")
-        ):
-            assert hasattr(vocabulary, name), (path, name)
 
 
 @pytest.mark.parametrize(
