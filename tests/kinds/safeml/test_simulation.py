@@ -36,7 +36,7 @@ def test_ten_independent_tests(metric: Metric, is_long: bool) -> None:
 @pytest.mark.parametrize("phi", [0.0, 0.5, 0.9])
 def test_default_configuration_with_dependent_samples(phi: float, is_long: bool) -> None:
     """SESAME D7.2's configuration; thresholds come from calibration, whatever phi is."""
-    references, rows = (12, 10_000) if is_long else (2, 4000)
+    references, rows = (12, 10_000) if is_long else (1, 4000)
     rates = []
     for seed in range(references):
         chance = np.random.default_rng(seed)
@@ -57,7 +57,7 @@ def test_dependent_samples_without_calibration_are_false_violations() -> None:
 def test_a_flat_spectrum(is_long: bool) -> None:
     """Axes from the rows of the reference itself would make it look too near to its subspace."""
     found = []
-    for seed in range(12 if is_long else 2):
+    for seed in range(12 if is_long else 1):
         chance = np.random.default_rng(seed)
         reference = chance.normal(size=(400, 100))
         made = planned(reference, "ks", 10, calibration="iid")
@@ -81,7 +81,7 @@ def test_a_flat_spectrum(is_long: bool) -> None:
     ],
 )
 def test_power(metric: Metric, components: int | None, fault: str, low: float, high: float) -> None:
-    assert low <= power(metric, components, fault, references=2, windows=100) <= high
+    assert low <= power(metric, components, fault, references=1, windows=100) <= high
 
 
 def test_a_constant_feature_that_moves_is_seen_by_the_residual() -> None:
