@@ -36,6 +36,5 @@ class RosNode(MonitorNode):
         """After each step, with what the monitor returned."""
     # -----Manual edit end-----  # region: RosNode.members
 
-
 if __name__ == '__main__':
     sys.exit(RosNode.main(EDDIInput, EDDIMonitor))
