@@ -208,7 +208,7 @@ def test_every_message_beside_a_result_has_a_method_and_a_definition(tmp_path: P
     monitor = pedestrian(tmp_path, f"{LOW}, {MORE}")
     machine = running(monitor)
     machine.execute_step(SimpleNamespace(), 0)
-    texts = messages_of({"net": {"kind": "bayesian_network", "config_json": None}})
+    texts = messages_of({"net": {"kind": "bayesian_network", "config": None}})
     for name, message in monitor.model.companion_messages().items():
         tree = getattr(machine, f"{name}_message")()
         assert tree[0] == message
