@@ -210,11 +210,15 @@ def test_a_value_that_cannot_be_used_is_logged_once(robot):
 
 def test_what_hand_written_lines_raise_is_logged_with_its_trace(robot):
     node = robot.start("consertb")
+    robot.sense("/rte/e0b", 0.0625)
+    robot.run(0.5)
     robot.publish("/rte/e0b", STD_MSGS.String())
     robot.run(1.0)
-    (error,) = [text for level, text in robot.lines if level == "error"]
+    error, lost = [text for level, text in robot.lines if level == "error"]
     assert error.startswith("input RtE_A_E0: AttributeError: ")
     assert "process_RtE_A_E0" in error
+    raised = "process_RtE_A_E0 raised AttributeError in EDDIInput.py line "
+    assert lost.startswith(f"lost {E0B}: {raised}")
     robot.sense("/rte/e0b", 1.0625)
     robot.run(1.125)
     assert node.report()[:2] == FINE
