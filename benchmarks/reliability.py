@@ -35,6 +35,15 @@ from benchmarks.timing import per_call  # noqa: E402 - from the checkout
 from eddi_scaffold.kinds.reliability.chains import Chain, battery_chain, rates_of, rotors_chain  # noqa: E402
 from eddi_scaffold.kinds.reliability.decision_diagram import build as diagram_of  # noqa: E402
 from eddi_scaffold.kinds.reliability.fault_tree import Gate  # noqa: E402
+from eddi_scaffold.kinds.reliability.lowering import Heat, Processor  # noqa: E402
+from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402
+    Part,
+    battery,
+    chain,
+    event,
+    rotors,
+    tree,
+)
 from runtime_lib.tests.reliability.reliability_models import monitor as monitor_of  # noqa: E402
 from tests.kinds.reliability.trees import compiled  # noqa: E402
 
@@ -71,14 +80,9 @@ def rows_of_chain(states: int, runs: int, seconds: float) -> list[dict[str, Any]
     chance = np.random.default_rng(states)
     rates = chance.random((states, states)) * (chance.random((states, states)) < 0.5)
     arcs = [(i, j, float(rates[i, j])) for i in range(states) for j in range(states)]
-    component = {
-        "name": "chain", "type": "markov", "states": [f"s{i}" for i in range(states)],
-        "initial": 0, "fail": [states - 1], "arcs": [list(arc) for arc in arcs],
-    }  # fmt: skip
-    alone = stepping([component | {"observe": []}], {})
-    observed = stepping(
-        [component | {"observe": [[0, "ok", False], [1, "ok", True]]}], {"ok": True}
-    )
+    seen = [(0, "ok", False), (1, "ok", True)]
+    alone = stepping([chain(arcs, states, [states - 1])], {})
+    observed = stepping([chain(arcs, states, [states - 1], seen)], {"ok": True})
     names = tuple(map(str, range(states)))
     peer = expm_of(Chain(names, 0, (states - 1,), tuple(arcs)))
     cases = (
@@ -94,35 +98,22 @@ def rows_of_chain(states: int, runs: int, seconds: float) -> list[dict[str, Any]
 def rows_of_monitors(runs: int, seconds: float) -> list[dict[str, Any]]:
     """Return the rows of a hexacopter's rotors, and of a drone: three models in a fault tree."""
     names = [f"m{i}" for i in range(6)]
-    rotors = {
-        "name": "rotors", "type": "propulsion", "configuration": "PNPNPN", "repair": False,
-        "rates": [1e-5] * 6, "inputs": [[name, None] for name in names],
-    }  # fmt: skip
-    battery = {
-        "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
-        "degradation": 6.4e-3, "level": "level", "repair": False,
-    }  # fmt: skip
-    processor = {
-        "name": "cpu", "type": "processor", "mttf_ref": 40000.0, "t_ref": 51.0, "t_max": 85.0,
-        "u_max": 1.0, "activation_energy": 0.3, "shape": 1.0, "temperature": "t",
-        "utilisation": "u",
-    }  # fmt: skip
-    event: dict[str, Any] = {"values": ()}
+    hexacopter, cells = rotors("PNPNPN", 1e-5), battery(1e-3)
+    processor = Part("cpu", Processor(4e4, 1.0, Heat("t", 0.3, 51.0, 85.0), ("u", 1.0), 0.0))
     events = [
-        *(event | {"name": m, "law": "model", "model": m} for m in ("rotors", "battery", "cpu")),
-        event | {"name": "gps", "law": "exponential", "values": (1e-4,)},
-        event | {"name": "vio", "law": "exponential", "values": (2e-4,)},
-        event | {"name": "link", "law": "exponential", "values": (1e-3,), "input": "link"},
+        *(event("model", model=name) for name in ("rotors", "battery", "cpu")),
+        event("exponential", 1e-4, name="gps"),
+        event("exponential", 2e-4, name="vio"),
+        event("exponential", 1e-3, name="link", input="link"),
     ]
-    gates = [{"type": "AND", "of": [3, 4]}, {"type": "OR", "of": [0, 1, 2, 5, 6]}]
-    tree = {"name": "loss", "type": "fault_tree", "repair": False, "top": 7}
+    loss = tree(events, [Gate("AND", (3, 4)), Gate("OR", (0, 1, 2, 5, 6))])
     working: dict[str, Any] = dict.fromkeys(names, True)
     drone = {**working, "level": 80.0, "t": 60.0, "u": 0.5, "link": False}
     chains = [rotors_chain("PNPNPN", [1e-5] * 6), battery_chain(1e-3, 8e-3, 7e-3, 6.4e-3)]
     peers = [expm_of(one) for one in chains]
-    parts = [rotors, battery, processor, tree | {"events": events, "gates": gates}]
+    parts = [hexacopter, cells, processor, loss]
     cases = (
-        ("hexacopter, whole monitor", stepping([rotors], working), peers[:1]),
+        ("hexacopter, whole monitor", stepping([hexacopter], working), peers[:1]),
         ("drone, whole monitor", stepping(parts, drone), peers),
     )
     return [
@@ -139,10 +130,10 @@ def both(peers: list[Action | None]) -> Action | None:
     return lambda: [one() for one in actions]
 
 
-def stepping(components: list[dict[str, Any]], values: dict[str, Any]) -> Action:
+def stepping(parts: list[Part], values: dict[str, Any]) -> Action:
     """Return the step of a monitor with these inputs, 0.1 s after the one before."""
     go = {"id": "go", "activate": 1e-4, "release": 2e-4, "hold": 2.0}
-    monitor = monitor_of(components, values, horizon=0.5, thresholds=[go])
+    monitor = monitor_of(parts, values, horizon=0.5, thresholds=[go])
     inputs = SimpleNamespace(**values)
     now = 0
 

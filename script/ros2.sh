@@ -28,8 +28,10 @@ flock 9 # another run may be installing it
 if [ ! -f "$PLACE/.complete" ]; then
   echo "installing ROS 2 $1 into $PLACE ..." >&2
   "$PYTHON" -m venv --clear "$PLACE"
-  "$PLACE/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$LIST" 2>"$PLACE/pip.log" ||
+  "$HERE/../.venv/bin/uv" pip install --quiet --python "$PLACE/bin/python" --requirement "$LIST" 2>/dev/null ||
+    "$PLACE/bin/python" -m pip install --no-compile --quiet --disable-pip-version-check --requirement "$LIST" 2>"$PLACE/pip.log" ||
     { echo "ROS 2 $1: $(grep ERROR "$PLACE/pip.log" | tail -n 1)" >&2; exit 2; }
+  "$PLACE/bin/python" -m compileall -q -j 2 -x '/tests?/' "$PLACE/lib" || true # by who may not write it
   # The wheels name two folders of the machine on which they were made.
   numpy=$("$PLACE/bin/python" -c 'import numpy; print(numpy.get_include())')
   find "$PLACE/share" -name '*.cmake' -exec sed -i -E \

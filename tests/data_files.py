@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
+from inspect import signature
 from pathlib import Path
 
 import pytest
+import yaml
 
 ORACLES = Path(__file__).parent / "data" / "oracles"
 FOREIGN = Path(os.environ.get("EDDI_FOREIGN_DATA", Path(__file__).parents[2] / "shared" / "data"))
@@ -27,6 +30,15 @@ def data_file(name: str) -> Path:
 def data_text(name: str) -> str:
     """Return a text that tests write: a model, a configuration, an old file, what is expected."""
     return (Path(__file__).parent / "data" / "texts" / name).read_bytes().decode()
+
+
+def tabled(test: Callable[..., None]) -> Callable[..., None]:
+    """Run a test for each row under its name in the YAML file beside it: its first parameters."""
+    file = Path(test.__code__.co_filename).with_suffix(".yml")
+    tables = yaml.load(file.read_text("utf-8"), yaml.CSafeLoader)
+    table = tables[test.__name__.removeprefix("test_")]
+    rows = [row if isinstance(row, list) else [row] for row in table]
+    return pytest.mark.parametrize([*signature(test).parameters][: len(rows[0])], rows)(test)
 
 
 def left_out(reasons: list[str]) -> str | None:

@@ -12,3 +12,12 @@ def played(monitor: BoundMonitor, source: Source, rule: StepRule = ROWS) -> Play
     """Yield the steps of a monitor on a CSV file."""
     tape, _ = read_recording(source, columns([monitor]))
     return play(of_values([monitor], [rule]), tape)
+
+
+def changes(out: str) -> list[tuple[str, str]]:
+    """Return the time of each line, and 1 for what is active and 0 for what is inactive there."""
+    digits = {"active": "1", "inactive": "0"}
+    return [
+        (line[:10].strip(), "".join(digits.get(word, "") for word in line.split()))
+        for line in out.splitlines()
+    ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 
 import pytest
@@ -10,6 +9,7 @@ import pytest
 from eddi_scaffold.common import units
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import kinds
+from tests.data_files import tabled
 from tests.monitors.test_binding import SPEED
 
 
@@ -21,22 +21,8 @@ def test_every_spelling_is_one_unit_and_every_dimension_has_a_base() -> None:
         assert not unit.root or units.find(unit.root) is not None
 
 
-@pytest.mark.parametrize(
-    ("value", "given", "wanted", "expected"),
-    [
-        (180.0, "deg", "rad", math.pi),
-        (90.0, "deg/s", "rad/s", math.pi / 2),
-        (20.0, "percent", "fraction", 0.2),
-        (0.5, "", "pct", 50.0),
-        (36.0, "km/h", "mps", 10.0),
-        (1e308, "km", "mm", math.inf),
-        (-1e308, "km", "mm", -math.inf),
-        (1500.0, "mA", "A", 1.5),
-    ],
-)
-def test_conversions_are_the_nearest_double(
-    value: float, given: str, wanted: str, expected: float
-) -> None:
+@tabled
+def test_conversions_are_the_nearest_double(value, given, wanted, expected):
     assert units.converted(value, given, wanted) == expected
 
 

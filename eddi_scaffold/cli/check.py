@@ -101,8 +101,8 @@ def show(
         model: EDDI XML, a model file of a kind, .rossystem or .ros; or an eddi_config.yml that
             names its model.
     """
-    from eddi_scaffold.deployments.joining import accepted_of
-    from eddi_scaffold.monitors.loading import read_models, select_models, unfit
+    from eddi_scaffold.deployments.joining import accepted_of, unanswered
+    from eddi_scaffold.monitors.loading import model_for, read_models, select_models, unfit
     from eddi_scaffold.monitors.survey import configured, mros_of, only, survey_of
 
     source = read_source(model)
@@ -120,18 +120,21 @@ def show(
         raise EddiError(*(problems if has_errors(problems) else reading.problems))
     chosen: Sequence[Model] = reading.models
     if name is not None:
-        chosen = select_models(reading.models, name)
+        named = [config for config in configs if config.config.Model.id == name]
+        chosen = [model_for(config, reading.models) for config in named]
+        chosen = chosen or select_models(reading.models, name)
         survey = only(survey, chosen)
     accepted, models, wrong = accepted_of(reading.models, configs, marks)
+    pairs = list(zip(reading.models, models, strict=True))
     if as_json:
         rows = [acceptance.as_json() for acceptance in accepted]
         console.json({**survey, "accepted": rows} if configs else survey)
     else:
-        pairs = zip(reading.models, models, strict=True)
         _print(survey, reading.models, [joined for model, joined in pairs if model in chosen])
         if accepted:
             console.data("\n".join(["", "accepted:", *(f"  {a.as_text()}" for a in accepted)]))
     of_models = [] if as_json else [*reading.problems, *reading.unread, *unfit(chosen)]
+    of_models = unanswered(of_models, [model for model, joined in pairs if joined is not model])
     console.problems([*warnings, *wrong, *of_models])
     if wrong or has_errors(reading.problems):  # what remains of the file was shown
         raise typer.Exit(ExitStatus.NO)

@@ -37,7 +37,7 @@ def diagram(
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.deployments.fleet_checks import picture_of_fleet
     from eddi_scaffold.monitors.exports import pictures
-    from eddi_scaffold.monitors.loading import checked_models
+    from eddi_scaffold.monitors.loading import checked_models, model_for
     from eddi_scaffold.monitors.survey import configured
     from eddi_scaffold.packages.transaction import FileState, write
 
@@ -46,8 +46,10 @@ def diagram(
     if is_fleet(source):
         files = {f"{source.stem}.svg": picture_of_fleet(source, checked_models)}
     else:
-        source, _, warnings = configured(source, (), name)  # a configuration that names its model
+        source, configs, warnings = configured(source, (), name)  # one that names its model
         marks = default_guarantee or ()
+        if configs and name is not None:
+            name = model_for(configs[0], checked_models(Path(source.name), marks).models).name
         files, problems = pictures(Path(source.name), name, marks, single=single)
         console.problems([*warnings, *problems])
     if output is None:

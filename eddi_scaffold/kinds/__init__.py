@@ -404,7 +404,6 @@ class Kind:
     # what becomes of an output while an input that it needs is not known
     without_input: str = "nothing that needs it becomes known"
     aliases: tuple[Alias, ...] = ()  # generated modules with the names of SESAME D7.2
-    requirements: tuple[str, ...] = ()  # what the runtime of this kind needs from PyPI
     # its files hold one model without a name; the configuration's id is one
     named_by_config: bool = False
     # ROS message name -> what a message of it says, for who only looks on

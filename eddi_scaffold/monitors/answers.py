@@ -10,6 +10,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from textwrap import wrap
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.escaping import (
@@ -189,16 +190,12 @@ def _body(binding: InputBinding) -> list[str]:
         return [f"self.{binding.attribute} = self.expression({python_literal(binding.model.id)})"]
     if binding.expression is not None:
         return [f"self.{binding.attribute} = {binding.expression}"]
-    shown = "; ".join(
-        f"{name} has {', '.join(f'.{field}' for field in of)}"
-        for name, of in (binding.known_fields or {}).items()
-    )
-    hint = f" ({python_comment(shown)})" if shown else ""
     arguments = ", ".join(binding.arguments) or "what you know"
-    return [
-        f"# TODO: set self.{binding.attribute} from {arguments}{hint}; None means unknown",
-        f"self.{binding.attribute} = None",
-    ]
+    lines = [f"# TODO: set self.{binding.attribute} from {arguments}; None means unknown"]
+    for name, of in (binding.known_fields or {}).items():
+        fields = python_comment(f"{name} has {', '.join(f'.{field}' for field in of)}")
+        lines += wrap(fields, 88, initial_indent="# ", subsequent_indent="#   ")
+    return [*lines, f"self.{binding.attribute} = None"]
 
 
 def _hash(uses: Sequence[str | None]) -> str:

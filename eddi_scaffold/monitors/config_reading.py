@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,7 @@ from eddi_scaffold.config.file import (
 from eddi_scaffold.config.schema import Config, ModelSection
 from eddi_scaffold.eddi_xml.parsing import looks_like_xml
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors.spellings import kinds_of_type, spelt_out
+from eddi_scaffold.monitors.spellings import kinds_of_type, spelt_out, text_of
 from eddi_scaffold.yaml_text.nodes import Map, read_maps
 
 _NO_OUTPUTS = (
@@ -95,15 +95,22 @@ def read_file(
     documents, unclear = spelt_out(documents, source, override)
     problems += unclear
     configs: list[ConfigFile] = []
-    for document in documents:
-        config, reported = _read(document, source, robot, partly=partly)
+    ids = [text_of(document.get("Model"), "id") or "" for document in documents]
+    for document, id_ in zip(documents, ids, strict=True):
+        monitors = {other for other in ids if other != id_}
+        config, reported = _read(document, source, robot, monitors, partly=partly)
         configs += [config] if config is not None and not has_errors(problems) else []
         problems += reported
     return configs, in_order(problems)
 
 
 def _read(
-    document: Map, source: Source, robot: RobotAdditions | None, *, partly: bool
+    document: Map,
+    source: Source,
+    robot: RobotAdditions | None,
+    monitors: Collection[str],
+    *,
+    partly: bool,
 ) -> tuple[ConfigFile | None, list[Problem]]:
     places: Places = {}
     data = plain_values(document, places)
@@ -129,7 +136,7 @@ def _read(
     file = with_types(file, robot.types if robot is not None else {})
     files, unread = _event_files(file)
     file = replace(file, event_files=files)
-    problems += [*unread, *_repeated_ids(file), *_unknown_sources(file)]
+    problems += [*unread, *_repeated_ids(file), *_unknown_sources(file, monitors)]
     return (None if has_errors(problems) else file), [*problems, *wrong]
 
 
@@ -252,12 +259,13 @@ def _repeated_ids(file: ConfigFile) -> Iterator[Problem]:
             yield problem("K006.one_name", place, first=other, second=entry.id, name=name)
 
 
-def _unknown_sources(file: ConfigFile) -> Iterator[Problem]:
-    known = {entry.id for entry in file.config.SimulatorOutputs}
-    similar = SimilarNames(known)
+def _unknown_sources(file: ConfigFile, monitors: Collection[str]) -> Iterator[Problem]:
+    known = [entry.id for entry in file.config.SimulatorOutputs]
+    names = dict.fromkeys([*known, *sorted(monitors)])
+    similar = SimilarNames(names, "there are" if names else None)
     for index, entry in enumerate(file.config.EDDIInputs):
         for position, required in enumerate(entry.requires):
             if required not in known:
                 place = file.place("EDDIInputs", index, "requires", position)
-                hint = similar.hint(required) or (None if known else _NO_OUTPUTS)
+                hint = similar.hint(required) or _NO_OUTPUTS
                 yield problem("K007", place, hint=hint, input=entry.id, source=required)

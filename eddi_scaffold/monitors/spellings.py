@@ -67,7 +67,7 @@ def _joined(value: Node, other: Node) -> Node:
     return other
 
 
-def _text(node: Node | None, key: str) -> str | None:
+def text_of(node: Node | None, key: str) -> str | None:
     """Return the text of a key of a map."""
     value = node.get(key) if isinstance(node, Map) else None
     return None if value is None else as_text(value)
@@ -82,7 +82,7 @@ def _by_id(items: Items) -> dict[str, Map] | None:
     entries = {
         id_: item
         for item in items.items
-        if isinstance(item, Map) and (id_ := _text(item, "id")) is not None
+        if isinstance(item, Map) and (id_ := text_of(item, "id")) is not None
     }
     return entries if len(entries) == len(items.items) else None
 
@@ -136,7 +136,7 @@ def _with_common(common: Map, document: Map) -> Map:
     words = {word for text in texts for word in re.findall(r"\w+", text)} | texts
     entries = []
     for key, value in common.entries:
-        used = [item for item in items_of(value) if _text(item, "id") in words]
+        used = [item for item in items_of(value) if text_of(item, "id") in words]
         entries.append((key, Items(tuple(used), value.place) if key.text == _COMMON[0] else value))
     return joined(Map(tuple(entries), document.place), document)
 
@@ -151,21 +151,21 @@ class _Robot:
         self.documents: dict[str, Map] = {}
         self.parts: dict[str, Sequence[str]] = {}  # file of a model -> what is published apart
         for document in documents:
-            id_ = _text(document.get("Model"), "id")
+            id_ = text_of(document.get("Model"), "id")
             if id_ is not None:
                 self.documents.setdefault(id_, document)
 
     def spelt_out(self, document: Map) -> Map:
         """Return a configuration in full."""
-        own = _text(document.get("Model"), "id")
-        topics = {_text(item, "id") for item in items_of(document.get("SimulatorOutputs"))}
+        own = text_of(document.get("Model"), "id")
+        topics = {text_of(item, "id") for item in items_of(document.get("SimulatorOutputs"))}
         self.clashing = {id_ for id_ in topics & {*self.documents} if id_ != own}
         read: dict[str, Map] = {}
         full: dict[str, tuple[Scalar, Node]] = {}
         for key, value in document.entries:
             node = value
             if key.text == "Model" and isinstance(value, Map):
-                node = _model(value, _text(document.get("Package"), "wire") == "d7.2")
+                node = _model(value, text_of(document.get("Package"), "wire") == "d7.2")
             elif key.text == "EDDIInputs" and isinstance(value, Items):
                 inputs = tuple(self._input(item, topics, read) for item in value.items)
                 node = replace(value, items=inputs)
@@ -183,7 +183,7 @@ class _Robot:
         text, place = as_text(node), node.place
         clashing = [key for key in _INSTEAD if entry.get(key) is not None]
         self.problems += [problem("K003.from", place, key=key) for key in clashing]
-        names = ["EDDIInputs", _text(entry, "id") or "", "from"]
+        names = ["EDDIInputs", text_of(entry, "id") or "", "from"]
         faults = [problem("K003.from_text", place)] if text is None else [*undecided(node, names)]
         self.problems += faults
         if text is None or faults:
@@ -236,7 +236,7 @@ class _Robot:
         """Return id and field by which a claim of another monitor is read; note its topic."""
         document = self.documents[monitor]
         model = document.get("Model")
-        kind = next(iter(kinds_of_type(_text(model, "type"))), None)
+        kind = next(iter(kinds_of_type(text_of(model, "type"))), None)
         if kind is None or kind.claim is None:  # told where its type is read
             return None
         package, keys = package_name(monitor), kind.claim.options
@@ -267,7 +267,7 @@ class _Robot:
     def _parts(self, model: Node | None, kind: Kind) -> Sequence[str]:
         """Return the parts of a model that are published apart, of a file that is there."""
         parameters = items_of(model.get("parameters") if isinstance(model, Map) else None)
-        named = (_text(item, key) for item in (model, *parameters) for key in MODEL_KEYS)
+        named = (text_of(item, key) for item in (model, *parameters) for key in MODEL_KEYS)
         name = next(filter(None, named), "")
         if name not in self.parts:
             self.parts[name] = ()
@@ -281,7 +281,7 @@ class _Robot:
 def _model(section: Map, is_of_d72: bool) -> Map:
     """Return a section with the file of the model as D7.2 names it, and thresholds of a network."""
     entries: list[tuple[Scalar, Node]] = []
-    of_type = kinds_of_type(_text(section, "type"))
+    of_type = kinds_of_type(text_of(section, "type"))
     is_network = any("evidence" in kind.options for kind in of_type)
     for key, value in section.entries:
         if key.text == "model" and isinstance(value, Scalar):
@@ -299,7 +299,7 @@ def _model(section: Map, is_of_d72: bool) -> Map:
 
 def _threshold(entry: Node) -> Node:
     """Return a threshold with node and state in place of ``of: Lost=Yes``."""
-    of = _text(entry, "of")
+    of = text_of(entry, "of")
     if of is None or not isinstance(entry, Map):
         return entry
     entries: list[tuple[Scalar, Node]] = []

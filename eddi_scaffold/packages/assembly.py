@@ -81,17 +81,15 @@ def monitors_of(
     files = [model_file] if isinstance(model_file, Path) else model_file or ()
     readings = [read(path) for path in files]
     models = [model for reading in readings for model in reading.models]
-    if model_file and name is not None:
-        models = [*select_models(models, name)]
     pairs = [rename.partition("=") for rename in renames]
     former = {package_name(new): package_name(old) for old, _, new in pairs}
     configs, config_problems = read_configs(config_files, robot)
-    if name is not None and len(configs) > 1:
-        ids = [config.config.Model.id for config in configs]
-        configs = [config for config in configs if config.config.Model.id == name]
-        if not configs:
-            hint = did_you_mean(name, ids) or f"there are: {', '.join(ids)}"
-            raise EddiError(problem("F005", Place(), hint=hint, kind=f"no monitor {name!r}"))
+    ids = [config.config.Model.id for config in configs]
+    if name is not None and len(ids) > 1 and name not in ids:
+        hint = did_you_mean(name, ids) or f"there are: {', '.join(ids)}"
+        raise EddiError(problem("F005", Place(), hint=hint, kind=f"no monitor {name!r}"))
+    if model_file and name is not None and len(ids) < 2:
+        models = [*select_models(models, name)]
     if root is not None:
         configs = [
             with_types(config, _remembered_types(config, root, former)) for config in configs
@@ -106,6 +104,8 @@ def monitors_of(
         made = {*(package_name(config.config.Model.id) for config in configs), *former.values()}
         others = _others(existing(root, made), made)
         problems += absent_publishers(Deployment(members_of(monitors), others))
+    if name is not None and len(ids) > 1:  # the others of its file were checked with it
+        monitors = [monitor for monitor in monitors if monitor.id == name]
     return monitors, problems
 
 

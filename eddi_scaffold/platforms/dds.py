@@ -27,7 +27,7 @@ from eddi_scaffold.platforms import (
     pip_install,
 )
 from eddi_scaffold.platforms.ros_packages import types_of
-from eddi_scaffold.program.runtime_parts import PEERS, runtime_parts_of
+from eddi_scaffold.program.runtime_parts import PEERS, requirements_of, runtime_parts_of
 
 _IDS = {
     "int8": 2, "uint8": 3, "char": 3, "int16": 4, "uint16": 5, "int32": 6, "uint32": 7, "int64": 8,
@@ -130,15 +130,14 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     files = files_of(monitor)
     answers = shared_answers(monitor, _TEMPLATES.monitor, files)
     answers["description_literal"] = toml_text(str(answers["description"]))
-    needs = list(monitor.kind.requirements)
-    answers["requirements"] = needs
+    parts = runtime_parts_of(monitor.compiled.text)
+    answers["requirements"] = needs = requirements_of(parts)
     answers["requirements_text"] = ", ".join(["cyclonedds", *needs])
     answers["package_data"] = sorted(monitor.compiled.tables)
     answers |= node.answers(lambda of: f"messages.{of.replace('/', '_')}", has_qos=True)
     answers |= definitions
     answers[RUNTIME] = VENDORED
-    needed = runtime_parts_of(monitor.compiled.text)
-    answers["parts"] = [*needed, PEERS] if answers["fleet"] else [*needed]
+    answers["parts"] = [*parts, PEERS] if answers["fleet"] else [*parts]
     return PackageAnswers(monitor.package, answers, files), [*problems, *errors, *unknown]
 
 

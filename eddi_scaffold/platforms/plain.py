@@ -11,7 +11,7 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.monitors.answers import files_of, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
-from eddi_scaffold.program.runtime_parts import runtime_parts_of
+from eddi_scaffold.program.runtime_parts import requirements_of, runtime_parts_of
 
 _TEMPLATES = Templates("plain_monitor")
 
@@ -20,8 +20,8 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     files = files_of(monitor)
     answers = shared_answers(monitor, _TEMPLATES.monitor, files)
     answers["description_literal"] = toml_text(str(answers["description"]))
-    needs = list(monitor.kind.requirements)
-    answers["requirements"] = needs
+    answers["parts"] = parts = list(runtime_parts_of(monitor.compiled.text))
+    answers["requirements"] = needs = requirements_of(parts)
     answers["requirements_text"] = ", ".join(needs) or "no other packages"
     samples = {  # as the example in the README sets them; None is unknown
         binding.attribute: binding.model.sample if binding.factor is None else None
@@ -30,7 +30,6 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["sample_inputs"] = [f"{of}={python_literal(value)}" for of, value in samples.items()]
     answers["package_data"] = sorted(monitor.compiled.tables)
     answers[RUNTIME] = VENDORED
-    answers["parts"] = list(runtime_parts_of(monitor.compiled.text))
     return PackageAnswers(monitor.package, answers, files), []
 
 

@@ -27,7 +27,13 @@ from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ro
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.platforms import VENDORED, Choices, PackageAnswers, runtime_of
-from eddi_scaffold.program.runtime_parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
+from eddi_scaffold.program.runtime_parts import (
+    LIFE_CYCLE,
+    PEERS,
+    requirements_of,
+    runtime_parts_of,
+    with_needed,
+)
 from eddi_scaffold.regions.package import LINK, entries
 
 _DIAGNOSTICS = {"/diagnostics": "diagnostic_msgs/DiagnosticArray"}
@@ -296,7 +302,7 @@ def monitor_package(
     answers = {**shared_answers(monitor, template, files), **choices}
     packages = {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
     answers["message_packages"] = sorted(packages)
-    answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
+    answers["system_packages"] = _system_packages(runtime_parts_of(monitor.compiled.text))
     answers["message_imports"] = [*imports_of(classes)]
     answers |= node.answers(lambda of: classes.get(of, _in_module(of)), has_qos=is_ros2)
     if is_ros2:
@@ -341,6 +347,10 @@ def support_packages(
             asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}.items()
             more = [part for name, part in asked if answers.get(name)]
             needed |= {*with_needed([*runtime_parts_of(str(answers["compiled"])), *more])}
-        title = "Runtime library of the EDDI monitors"
-        packages.append(package(2, RUNTIME, title, parts=sorted(needed)))
+        title, system = "Runtime library of the EDDI monitors", _system_packages(needed)
+        packages.append(package(2, RUNTIME, title, parts=sorted(needed), system_packages=system))
     return packages
+
+
+def _system_packages(parts: Iterable[str]) -> list[JsonValue]:
+    return [f"python3-{name}" for name in requirements_of(parts)]

@@ -51,6 +51,9 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 }
 """Part of ``eddi_runtime``, a folder or a module -> other parts that it imports."""
 
+_ON_NUMPY = frozenset(
+    ["bayesian_network/arrays", "reliability/large_chain", "reliability/large_tree", "safeml"]
+)
 PEERS = "peers"  # what a monitor needs that is one of a fleet
 
 LIFE_CYCLE = "transports/ros2/lifecycle"
@@ -75,3 +78,8 @@ def with_needed(parts: Iterable[str]) -> tuple[str, ...]:
     """Return parts with all that they import, sorted."""
     # what is always there needs none
     return tuple(sorted(reached(defaultdict(tuple, PARTS), parts)))
+
+
+def requirements_of(parts: Iterable[str]) -> list[str]:
+    """Return what parts of the runtime need from PyPI."""
+    return [] if _ON_NUMPY.isdisjoint(parts) else ["numpy"]

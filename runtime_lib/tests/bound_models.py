@@ -33,9 +33,12 @@ class BoundModel(NamedTuple):
         origin = f"{self.model.source.file_name} {self.model.place.path or ''}"
         return module_text(self.model.kind, compiled, self.declaration.model_id, origin)
 
-    def monitor(self, **more: Any) -> Any:
+    def module(self, **more: Any) -> ModuleType:
         tables = self.compiled(**more).tables
-        return module_of(self.text(**more), self.declaration.model_id, tables.__getitem__).Monitor()
+        return module_of(self.text(**more), self.declaration.model_id, tables.__getitem__)
+
+    def monitor(self, **more: Any) -> Any:
+        return self.module(**more).Monitor()
 
 
 def bound_input(id_: str, **keys: Any) -> BoundInput:

@@ -3,6 +3,7 @@
 import itertools
 from fractions import Fraction
 
+from eddi_runtime.why import TRUE
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -147,6 +148,28 @@ def test_sets_that_are_written_down_and_those_that_are_searched_are_the_same(cas
 
 
 @given(cases())
+def test_what_is_named_first_brings_a_guarantee_nearer_once_it_is_good(case):
+    one, state = made(case[0]), dict(case[1])
+    step(one, state)
+    for id_, why in one.why().items():
+        sets = one._sets()
+        place = one.published_ids.index(id_)
+        if why.causes[:1] and why.causes[0].path:
+            before, good = nearest(one, place), {**state, why.causes[0].path[0]: "T"}
+            step(one, good)
+            assert nearest(one, place) < before
+            step(one, state)
+        assert (why.verdict == TRUE) == (sets.value(one.guarantees[place]) == TRUE)
+
+
+def nearest(one, place):
+    """Return how far the nearest set of inputs is from TRUE, whichever it is."""
+    values = dict(zip([spec.id for spec in one.inputs], one._leaf_values()))
+    groups = one._sets().missing(one.guarantees[place])[0]
+    return min([(-min([values[k] for k in g]), len(g)) for g in groups], default=(-TRUE, 0))
+
+
+@given(cases())
 def test_blocked_inputs_are_unknown_and_their_outputs_inactive(case):
     graph, state = case
     one = made(graph)
@@ -251,6 +274,7 @@ def test_no_input_raises_or_activates_without_support(values):
     assert active(rows) == ["G"] * given_g + ["H"] * (given_g and "a" in true)
     one.explain()
     one.blocked()
+    assert [name for name, *_ in one._whys()] == ["G", "H"]
     assert set(one.faults()) <= set(values)
     one.message(rows)
     one.status_message()

@@ -57,6 +57,15 @@ def test_causes_of_another_monitor_count_while_they_are_fresh_and_of_the_same_ve
     assert why.told(known, "Clear", 0.0, why.UNKNOWN)
 
 
+def test_the_classes_of_another_runtime_are_read_by_their_fields():
+    there = why.claim_why("m", "Clear", 0, [Cause(("x",), "false", "b", "/t", detail="c")])
+    (cause,) = there.causes
+    foreign = SimpleNamespace(
+        **{**there._asdict(), "causes": [SimpleNamespace(**cause._asdict())]},
+    )
+    assert why.read_why({"Clear": foreign}) == {"Clear": there}
+
+
 def test_a_message_keeps_within_its_bytes_and_a_path_keeps_its_topic():
     cause = Cause(("/topic",), "silent", "t" * 300, "/topic")
     for k in range(40):

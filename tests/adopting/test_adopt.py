@@ -9,7 +9,7 @@ import yaml
 
 from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
 from tests.cli.command import example, files_below, run
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 
 pytestmark = pytest.mark.slow
 
@@ -23,7 +23,6 @@ def old(tmp_path: Path) -> Path:
         == 0
     )
     model = (tmp_path / "yml" / "ConSertA.yml").read_text("utf-8")
-    (tmp_path / "ws" / "src").mkdir(parents=True)
     return write_old_ros_package(tmp_path / "old", model)
 
 
@@ -108,35 +107,19 @@ def test_the_platform_can_be_named(old: Path) -> None:
     ).read_text("utf-8")
 
 
-DEEP = f"x = {'-' * 200_000}1\n"
+BOMBS = {
+    "DEEP": f"x = {'-' * 200_000}1\n",
+    "LONG": f"x = 1{' + 1' * 900}\n",
+    "DIGITS": f"x = 0x{'f' * 9000}\n",
+}
 
 
-@pytest.mark.parametrize(
-    ("change", "code", "words"),
-    [
-        (
-            {"scripts/EDDIInput.py": "def x(:\n"},
-            "A001",
-            "EDDIInput.py:1:7: error: this is not Python",
-        ),
-        ({"scripts/EDDIInput.py": DEEP}, "A001", "this is not Python: nested too deeply"),
-        ({"scripts/EDDIInput.py": f"x = 1{' + 1' * 900}\n"}, "A001", "nested too deeply"),
-        ({"scripts/RosNode.py": f"x = 0x{'f' * 9000}\n"}, "A001", "a number with too many digits"),
-        ({"scripts/EDDIInput.py": None}, "A002", "neither an EDDIInput.py nor"),
-        ({"other/EDDIInput.py": "x = 1\n"}, "A002", "several EDDIInput.py"),
-        ({"ConSertA.yml": None}, "A002", "the package contains no model"),
-        ({"ConSertA.yml": "guarantees: [\n"}, "A002", "old/ConSertA.yml:2:1: error: this is not"),
-    ],
-)
-def test_what_cannot_be_adopted(
-    old: Path, change: dict[str, str | None], code: str, words: str
-) -> None:
+@tabled
+def test_what_cannot_be_adopted(change, code, words, old):
     for name, text in change.items():
         path = old / name
         path.parent.mkdir(exist_ok=True)
-        path.unlink(missing_ok=True)
-        if text is not None:
-            path.write_text(text, "utf-8")
+        path.write_text(BOMBS.get(text, text), "utf-8")
     before = files_below(old.parent)
     result = run("adopt", "old", "-w", "ws", cwd=old.parent)
     assert (result.status, f"[{code}]" in result.err) == (2, True), result.err

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import pytest
-
 from eddi_scaffold.packages.adopting.old_package import Body
 from eddi_scaffold.packages.adopting.proposals import use_of
+from tests.data_files import tabled
 
 OUTCOMES = {"outcome_A": "A", "outcome_B": "B", "outcome_C": "on"}
 
@@ -25,41 +24,20 @@ def chain(*tests: str) -> str:
     )
 
 
-@pytest.mark.parametrize(
-    ("body", "expected"),
-    [
-        (chain("x <= 5", ""), "{input: x, bins: [5], order: [A, B]}"),
-        (chain("x < 5", ""), "{input: x, bins: [5], order: [A, B], closed: left}"),
-        (chain("x >= 5", ""), "{input: x, bins: [5], order: [B, A], closed: left}"),
-        (chain("5 < x", ""), "{input: x, bins: [5], order: [B, A]}"),
-        (chain("x > 7.5", "x > 1", ""), '{input: x, bins: [1, 7.5], order: ["on", B, A]}'),
-        (chain("x <= 1", "1 < x <= 2", "2 < x"), '{input: x, bins: [1, 2], order: [A, B, "on"]}'),
-        (chain("x > 1 and x <= 2", "x > 2", ""), '{input: x, bins: [1, 2], order: ["on", A, B]}'),
-        (chain("x <= 1234567.5", ""), "{input: x, bins: [1234567.5], order: [A, B]}"),
-        (chain("xok", ""), "{input: xok, map: {true: A, false: B}}"),
-        (chain("not xok", ""), "{input: xok, map: {true: B, false: A}}"),
-        (f"held = xok\n{chain('held', '')}", "{input: xok, map: {true: A, false: B}}"),
-    ],
-)
-def test_a_chain_of_tests_is_a_declaration(body: str, expected: str) -> None:
-    assert proposal(body) == expected
+@tabled
+def test_a_chain_of_tests_is_a_declaration(tests: list[str], expected: str) -> None:
+    assert proposal(chain(*tests)) == expected
 
 
-@pytest.mark.parametrize(
-    "body",
-    [
-        chain("x <= 1", "x >= 1", ""),  # 1 is below, and all else above: nothing for the last
-        chain("x <= 1", "x < 3", "x <= 9"),  # nothing above 9, and edges on different sides
-        chain("x <= 1", "x > 2"),  # a gap
-        chain("x < 1", "x <= 2", ""),  # 1 belongs to one side, 2 to the other
-        chain("x == 1", ""),
-        chain("x <= xok", ""),
-        chain("x <= 1", "xok > 2", ""),  # two inputs
-        chain("x", ""),  # a number that is tested for being 0
-        "outcome_A = 1.0\n",
-        f"print()\n{chain('x <= 5', '')}",
-        "",
-    ],
-)
-def test_another_form_gets_no_proposal(body: str) -> None:
-    assert proposal(body) is None
+def test_so_is_a_chain_behind_another_name() -> None:
+    assert proposal(f"held = xok\n{chain('held', '')}") == "{input: xok, map: {true: A, false: B}}"
+
+
+@tabled
+def test_another_form_gets_no_proposal(tests: list[str]) -> None:
+    assert proposal(chain(*tests)) is None
+
+
+def test_nor_does_what_is_no_chain() -> None:
+    for body in ("outcome_A = 1.0\n", f"print()\n{chain('x <= 5', '')}", ""):
+        assert proposal(body) is None

@@ -27,8 +27,11 @@ def config_of(found: Adoption) -> dict[str, dict[str, object]]:
     return dict(yaml.safe_load(found.config()))
 
 
-def test_the_package_keeps_its_name(tmp_path: Path) -> None:
-    found = adopt(write_old_ros_network(tmp_path / "old", "harm_risk"), None, None)
+def test_the_package_keeps_its_name_or_gets_another(tmp_path: Path) -> None:
+    old = write_old_ros_network(tmp_path / "old", "harm_risk")
+    other = adopt(old, None, "other")
+    assert (other.id, other.model_name) == ("other", "other.xdsl")
+    found = adopt(old, None, None)
     assert (found.id, found.model.name, found.model_name) == (
         "harm_risk",
         "network1",
@@ -41,11 +44,6 @@ def test_the_package_keeps_its_name(tmp_path: Path) -> None:
         "observed": ["Density", "Distance", "Heat", "Fire"],
         "model": "harm_risk.xdsl",
     }
-
-
-def test_a_package_can_be_renamed(tmp_path: Path) -> None:
-    found = adopt(write_old_ros_network(tmp_path / "old", "harm_risk"), None, "other")
-    assert (found.id, found.model_name) == ("other", "other.xdsl")
 
 
 def test_the_name_of_the_package_chooses_among_models(tmp_path: Path) -> None:

@@ -106,7 +106,8 @@ def generate(place: Path, letter: str, *words: object, status: int = 0) -> Resul
 
 
 def example(folder: Path) -> Path:
-    """Put the files of the example into a folder."""
+    """Put the files of the example into a folder, and an empty workspace."""
+    (folder / "ws" / "src").mkdir(parents=True, exist_ok=True)
     for file in (path for path in EXAMPLE.iterdir() if path.is_file()):
         shutil.copy(file, folder / file.name)
     return folder

@@ -96,3 +96,17 @@ def test_the_marks_count_for_a_model_that_a_configuration_names(tmp_path: Path) 
     mark = ("--default-guarantee", "Wait")
     assert run("check", config.name, cwd=tmp_path).status == 1
     assert run("check", config.name, *mark, cwd=tmp_path).status == 0
+
+
+def test_what_is_left_to_a_person_is_said_in_short_lines(tmp_path: Path) -> None:
+    (tmp_path / "cart.yml").write_text("evidence: {Upright: bool}\nguarantees: {Go: Upright}\n")
+    (tmp_path / "cart_config.yml").write_text(
+        "Model: {id: cart, type: ConSert, model: cart.yml}\n"
+        "SimulatorOutputs: [{id: imu, type: sensor_msgs/Imu, topic: imu}]\n"
+        "EDDIInputs: [{id: Upright, requires: [imu], max_age: 1 s}]\n"
+    )
+    plain = ("generate", "--platform", "plain", "-o", "out", "-c", "cart_config.yml")
+    assert run(*plain, cwd=tmp_path).status == 0
+    text = (tmp_path / "out/cart/EDDIInput.py").read_text()
+    assert "# imu has .header, .orientation" in text
+    assert max(map(len, text.splitlines())) <= 100

@@ -14,6 +14,7 @@ import pytest
 from eddi_scaffold import __version__, cli
 from eddi_scaffold.cli.console import ExitStatus
 from tests.cli.command import ROOT, Result, edit, example, files_below, run
+from tests.data_files import tabled
 from tests.diagnosed import assert_reported
 
 pytestmark = pytest.mark.slow
@@ -26,7 +27,6 @@ COMMANDS = [
 ]
 MODEL = "two_conserts.xml"
 CONFIG = "consert_a_config.yml"
-RECORDED = ("run", "named.yml", "--inputs", "recording.csv")
 PLAIN = ("generate", "--platform", "plain", "-o", "out", "-m", MODEL, "--name", "ConSertB")
 
 
@@ -80,16 +80,7 @@ def test_help_lists_the_commands_by_when_they_are_needed(tmp_path: Path) -> None
     assert "eddi-scaffold example two-conserts demo" in " ".join(result.out.split())
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["chek"], "No such command 'chek'. Did you mean 'check'?"),
-        (["check"], "Missing argument"),
-        (["check", "--frob"], "No such option: --frob"),
-        (["generate", "-m"], "-m"),
-        (["export", "x.xml"], "-o"),
-    ],
-)
+@tabled
 def test_wrong_usage(words: list[str], said: str, tmp_path: Path) -> None:
     result = run(*words, cwd=tmp_path)
     assert (result.status, result.out) == (2, "")
@@ -118,18 +109,7 @@ def test_show_says_with_its_status_that_a_model_is_not_whole(folder: Path) -> No
     assert run("show", MODEL, "--json", cwd=folder).status == 1
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["show", "nothere.xml"],
-        ["compose", "nothere.xml"],
-        ["status"],
-        ["regions", "."],
-        ["run", MODEL, "--inputs", "nothere.csv"],
-        ["show"],
-        ["frob"],
-    ],
-)
+@tabled
 def test_every_failure_can_be_json(words: list[str], folder: Path) -> None:
     result = run(*words, "--json", cwd=folder)
     assert (result.status, result.err) == (2, "")
@@ -198,19 +178,8 @@ def test_quiet_and_verbose(folder: Path) -> None:
     assert normal.err == f"no problems in {MODEL} (-v shows 3 infos)\n"
 
 
-@pytest.mark.parametrize(
-    ("flag", "environment", "coloured"),
-    [
-        ("-v", "", False),
-        ("-v", "FORCE_COLOR", True),
-        ("-v", "FORCE_COLOR NO_COLOR", False),
-        ("--color", "NO_COLOR", True),
-        ("--no-color", "FORCE_COLOR", False),
-    ],
-)
-def test_colour(
-    flag: str, environment: str, coloured: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@tabled
+def test_colour(flag, environment, coloured, tmp_path, monkeypatch):
     for name in ("NO_COLOR", "FORCE_COLOR"):
         monkeypatch.setenv(name, "1" if name in environment.split() else "")
     result = run("check", "nothere", flag, cwd=tmp_path)
@@ -256,19 +225,7 @@ def test_data_that_cannot_be_written_is_an_error(folder: Path) -> None:
     assert_reported("F002", result.err)
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "answers -m two_conserts.xml -c consert_a_config.yml -o no/answers.yml",
-        "answers -m two_conserts.xml -c consert_a_config.yml --all -o no/answers",
-        "diagram two_conserts.xml --name ConSertA -o no/a.svg",
-        "diagram two_conserts.xml -o no/pictures",
-        "event x>1 -o no/monitor",
-        "export two_conserts.xml -o no/models",
-        "generate --platform plain -m two_conserts.xml -o no/packages",
-        "run two_conserts.xml -c consert_a_config.yml --inputs recording.csv --plot no/p.svg",
-    ],
-)
+@tabled
 def test_no_folder_is_made_around_what_is_written(command: str, folder: Path) -> None:
     before = files_below(folder)
     result = run(*command.split(), cwd=folder)
@@ -361,21 +318,8 @@ def test_a_folder_is_checked_file_by_file(tmp_path: Path) -> None:
     assert "in broken.yml, consert_a_config.yml, consert_b_config.yml, two_conserts" in found.err
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("export", "ConSertA.yml", "-o", "."),
-        ("answers", "-m", "conserta.yml", "--platform", "plain", "--all", "-o", "."),
-        ("answers", "-m", "ConSertA.yml", "-c", "consert_a_config.yml", "-o", "ConSertA.yml"),
-        ("answers", "-m", "ConSertA.yml", "-c", "consert_a_config.yml", "-o", "linked.yml"),
-        ("diagram", "model.svg", "--name", "ConSertA", "-o", "model.svg"),
-        (*RECORDED, "--plot", "recording.csv"),
-        (*RECORDED, "--plot", "./named.yml"),
-        (*RECORDED, "--plot", "ConSertA.yml"),
-    ],
-    ids=" ".join,
-)
-def test_no_output_is_written_over_an_input(tmp_path: Path, words: tuple[str, ...]) -> None:
+@tabled
+def test_no_output_is_written_over_an_input(words, tmp_path):
     """Whatever its name, and where only a configuration names it."""
     example(tmp_path)
     run("export", "two_conserts.xml", "-o", ".", cwd=tmp_path)

@@ -55,7 +55,6 @@ def read_case(text: str) -> Case:
 
 def lay(case: Case, folder: Path) -> None:
     example(folder)
-    (folder / "ws" / "src").mkdir(parents=True)
     for name, body in case.files:
         change(folder / name, body)
 

@@ -5,19 +5,11 @@ import random
 from dataclasses import dataclass
 
 from tests.conditions.reference import Input
+from tests.data_files import data_text
 
 RATE = 10
 PERIOD = 10**8
-DECLARATIONS = """\
-ENUM Mode { AUTO, MANUAL, OFF }
-VAR x : NUMBER TIMEOUT 1000h
-VAR y : NUMBER RANGE -6 .. 6.5 TIMEOUT 1000h
-VAR z.range[0] : NUMBER ALLOW INF TIMEOUT 1000h
-VAR w : NUMBER TIMEOUT 350ms
-VAR a : BOOL TIMEOUT 1000h
-VAR b : BOOL TIMEOUT 250ms
-VAR m : Mode TIMEOUT 1000h
-"""
+DECLARATIONS = data_text("conditions/formulas.events")
 _LONG = 1000 * 3600 * 10**9
 INPUTS = {
     "x": Input("number", timeout=_LONG),

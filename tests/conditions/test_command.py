@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import ROOT, files_below, run
+from tests.data_files import data_text, tabled
 
 D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
 CSV = "t,temp,warning\n0,120,true\n1,,\n2,130,\n3,nan,\n4,50,false\n"
@@ -65,25 +66,7 @@ def test_files_are_written_and_edits_kept(tmp_path: Path) -> None:
     assert c.out.splitlines() == ["c/event_event.c", "c/event_event.h", "c/event_main.c"]
 
 
-@pytest.mark.parametrize(
-    ("words", "code"),
-    [
-        ([], "G000"),
-        (["x > 1", "--file", "e.events"], "G000"),
-        (["x > 1", "--target", "c"], "G000"),
-        (["x > 1", "--rate", "0"], "E005"),
-        (["nothere.events"], "F001"),
-        (["x > 1", "-o", "taken"], "E020"),
-        (["x > 1", "-i", "nothere.csv"], "F001"),
-        (["latin.events"], "E001"),
-        (["variables.events"], "E026"),
-        (["variables.events", "--check"], "E026"),
-        (["x > 1", "--name", "wächter", "-o", "out"], "G002"),
-        (["x > 1", "--name", "int", "-o", "out"], "G002"),
-        (["x > 1", "--name", "size", "--target", "c", "-o", "out"], "G002"),
-        (["x > 1", "--name", "Demo One", "--check"], "G002"),
-    ],
-)
+@tabled
 def test_bad_usage(words: list[str], code: str, tmp_path: Path) -> None:
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "event_event.py").write_text("mine = True\n")
@@ -111,21 +94,7 @@ def test_a_unit_with_a_slash_in_a_file() -> None:
     assert "hint: write 2 mps" in err
 
 
-@pytest.mark.parametrize(
-    ("text", "hint"),
-    [
-        ("v > 10 km/h", "10 kmph"),
-        ("w > 3 deg/s", "3 degps"),
-        ("f > 3 1/h", "3 Hz or kHz or FIT"),
-        ("t < 2 N*m", "2 Nm"),
-        ("b > 2 A*h", "2 Ah"),
-        ("a < 2 m/s^2", "x * x, or a unit in one word such as mps2"),
-        ("VAR v : NUMBER RANGE 0 .. 2 m/s TIMEOUT 1s\nv > 1", "2 mps"),
-        ("a -> b", "IMPLIES"),
-        ("a => b", "IMPLIES, or >= to compare"),
-        ("CONST limit = 2 m/s\nv > limit", "2 mps"),
-    ],
-)
+@tabled
 def test_what_is_written_instead(text: str, hint: str) -> None:
     assert f"hint: write {hint}" in refused(text)
 
@@ -137,19 +106,14 @@ def test_a_declared_unit_of_several_words_is_one_mistake() -> None:
     assert "W003" not in err
 
 
-@pytest.mark.parametrize("text", ["v / 2 s > 1", "v > 5 km / t", "x <-5"])
+@tabled
 def test_a_division_is_one(text: str) -> None:
     assert run("event", text, "--rate", "10", "--check", cwd=ROOT).status == 0
 
 
 pytestmark = pytest.mark.slow
 
-EVENTS = """\
-CONST limit = 80
-VAR motor.data : NUMBER UNIT degC TIMEOUT 500ms
-EVENT hot (HAZARD) := ONCE(motor.data > limit, 200ms)
-EVENT cool (EVIDENCE) := NOT hot
-"""
+EVENTS = data_text("conditions/safety.events")
 SOURCES = ("-m", "Rover.yml", "-c", "eddi_config.yml")
 
 

@@ -3,13 +3,13 @@
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
 from eddi_runtime.expressions.expression import Expression
 
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.conditions.analysis import ExpressionText, compile_input
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, Variable
 from runtime_lib.tests.event.event_models import expression as expression_of
+from tests.data_files import tabled
 
 VARIABLES = {
     "battery.percentage": Variable("battery.percentage", NUMBER, timeout=10**9),
@@ -52,19 +52,8 @@ def test_evidence_over_a_message() -> None:
     assert entry.value(3, {**battery(0.5), **motor}, {"battery": 1.5, "motor": 0.0}) is None
 
 
-@pytest.mark.parametrize(
-    ("kind", "expression", "code", "column"),
-    [
-        ("bool", "battery.percentage > ", "E001", 18 + 20),
-        ("bool", "battery.percent > 1", "E008", 18),
-        ("bool", "load * 2", "E007", 18),
-        ("float", "load > 2", "E007", 18),
-        ("bool", "EVENT a (HAZARD) := link.up EVENT b (HAZARD) := link.up", "E001", 18),
-    ],
-)
-def test_places_are_those_of_the_configuration(
-    kind: Any, expression: str, code: str, column: int
-) -> None:
+@tabled
+def test_places_are_those_of_the_configuration(kind, expression, code, column):
     result, problems = compiled(kind, text(expression))
     assert result is None
     assert [(p.code, p.place.file, p.place.line, p.place.col) for p in problems] == [

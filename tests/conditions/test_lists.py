@@ -14,13 +14,9 @@ from eddi_scaffold.conditions.standalone import generate
 from eddi_scaffold.conditions.syntax import File, SyntaxNode, canonical, is_list_path
 from eddi_scaffold.program.running import Engine
 from tests.conditions.reference import NearTie, aggregate, combine
+from tests.data_files import data_text, tabled
 
-DECLARATIONS = """\
-VAR m.x[*] : NUMBER RANGE -50 .. 50 TIMEOUT 1000h
-VAR m.y[*] : NUMBER ALLOW INF TIMEOUT 1000h
-VAR m.b[*] : BOOL TIMEOUT 1000h
-VAR m.low : NUMBER TIMEOUT 1000h
-"""
+DECLARATIONS = data_text("conditions/lists.events")
 SECOND = 10**9
 
 
@@ -197,17 +193,7 @@ def same(result: float, expected: Any, analysis: Any) -> bool:
     return result == expected or math.isclose(result, expected, rel_tol=1e-9, abs_tol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "(MIN(scan.ranges[*], SECTOR -30 deg .. 30 deg, COVERAGE 0.9) > 0.8)",
-        "(MIN(b.cells[*], LENGTH 6, WITHIN b.low .. 5) > 3.3)",
-        "(MAX(m.x[2..5], LENGTH 1 .. 9) > 1)",
-        "(COUNT((d.results[*].score > 0.5)) > 0)",
-        "(MIN(MIN(s.r[*]), 2000ms) > LEAST(LEAST(a, b), 3))",
-        '(NUMBER(d.status["/Power: b"].values[V].value) > SQRT(HYPOT(a, CLAMP(b, 0, 1))))',
-    ],
-)
+@tabled
 def test_the_canonical_form_is_read_again(text: str) -> None:
     file = parse(text)
     assert canonical(file, file.events[0].root) == text

@@ -1,13 +1,11 @@
 """The page over HTTP: what it answers and what it refuses."""
 
-import http.client
 import re
 import socket
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 from urllib.parse import urlencode
 
@@ -18,6 +16,7 @@ from eddi_scaffold.common.local_server import MAX_BODY
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.conditions.event_page import open_server
 from tests.diagnosed import assert_reported
+from tests.pages import ask, served
 
 D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
 
@@ -28,43 +27,25 @@ def port() -> Iterator[int]:
         yield result
 
 
-@contextmanager
-def serving(seconds: float = 20.0, connections: int = 32) -> Iterator[int]:
-    with open_server(0, _read_signal, seconds=seconds, connections=connections) as server:
-        thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
-        thread.start()
-        yield server.server_port
-        server.shutdown()
-        thread.join()
-
-
-def ask(
-    port: int, method: str, path: str, body: bytes | str | None = None, **headers: str
-) -> tuple[int, dict[str, str], str]:
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
-    named = {name.replace("_", "-"): value for name, value in headers.items()}
-    connection.request(method, path, body, named)
-    response = connection.getresponse()
-    data = response.read()
-    connection.close()
-    return response.status, dict(response.getheaders()), data.decode("utf-8", "replace")
+def serving(seconds: float = 20.0, connections: int = 32) -> AbstractContextManager[int]:
+    return served(open_server(0, _read_signal, seconds=seconds, connections=connections))
 
 
 def send(port: int, path: str, **form: str) -> tuple[int, dict[str, str], str]:
     kind = "application/x-www-form-urlencoded"
-    return ask(port, "POST", path, urlencode(form), Content_Type=kind)
+    return ask(port, path, "POST", urlencode(form), Content_Type=kind)
 
 
 def test_the_page_and_its_files(port: int) -> None:
-    status, headers, text = ask(port, "GET", "/")
+    status, headers, text = ask(port, "/")
     assert status == 200
     assert "<form" in text
     assert headers["Content-Security-Policy"].startswith("default-src 'none'")
     assert "http" not in text.replace("/check", "")  # nothing from outside
     for path in ("/style.css", "/page.js"):
-        assert ask(port, "GET", path)[0] == 200
-    assert ask(port, "GET", "/../server.py")[0] == 404
-    assert ask(port, "POST", "/other", "x")[0] == 404
+        assert ask(port, path)[0] == 200
+    assert ask(port, "/../server.py")[0] == 404
+    assert ask(port, "/other", "POST", "x")[0] == 404
 
 
 def test_check_shows_the_place_of_an_error(port: int) -> None:
@@ -121,14 +102,14 @@ def test_what_was_typed_is_never_markup(port: int) -> None:
 
 def test_others_are_refused(port: int) -> None:
     for host in ("evil.example", "localhost", "localhost:1", f"LOCALHOST:{port}", f"x:{port}"):
-        assert ask(port, "GET", "/", Host=host)[0] == 403
-    assert ask(port, "GET", "/", Host=f"localhost:{port}")[0] == 200
+        assert ask(port, "/", Host=host)[0] == 403
+    assert ask(port, "/", Host=f"localhost:{port}")[0] == 200
     form = {"Content_Type": "application/x-www-form-urlencoded"}
     for origin in ("http://evil.example", "null"):
-        assert ask(port, "POST", "/check", "text=x", Origin=origin, **form)[0] == 403
+        assert ask(port, "/check", "POST", "text=x", Origin=origin, **form)[0] == 403
     own = f"http://127.0.0.1:{port}"
-    assert ask(port, "POST", "/check", "text=x", Origin=own, **form)[0] == 200
-    assert ask(port, "POST", "/check", "text=x", Content_Type="text/plain")[0] == 415
+    assert ask(port, "/check", "POST", "text=x", Origin=own, **form)[0] == 200
+    assert ask(port, "/check", "POST", "text=x", Content_Type="text/plain")[0] == 415
 
 
 def raw(port: int, head: str, body: bytes = b"") -> bytes:
@@ -177,10 +158,10 @@ def ended_after_a_byte(connection: socket.socket) -> bool:
 def test_connections_have_an_end() -> None:
     with serving(connections=2) as port:
         waiting = [socket.create_connection(("127.0.0.1", port)) for _ in range(2)]
-        assert ask(port, "GET", "/")[0] == 503
+        assert ask(port, "/")[0] == 503
         waiting.pop().close()
         for _ in range(1000):  # until the server has seen that it closed
-            if ask(port, "GET", "/")[0] == 200:
+            if ask(port, "/")[0] == 200:
                 break
         else:
             raise AssertionError("no room is made")
@@ -189,8 +170,8 @@ def test_connections_have_an_end() -> None:
 
 def test_long_texts_are_refused(port: int) -> None:
     form = {"Content_Type": "application/x-www-form-urlencoded"}
-    assert ask(port, "POST", "/check", "text=" + "x" * 100_000, **form)[0] == 413
-    assert ask(port, "POST", "/check", "text=" + "a+AND+" * 10_000 + "a", **form)[0] == 200
+    assert ask(port, "/check", "POST", "text=" + "x" * 100_000, **form)[0] == 413
+    assert ask(port, "/check", "POST", "text=" + "a+AND+" * 10_000 + "a", **form)[0] == 200
     assert MAX_BODY == 64 * 1024
 
 
@@ -212,7 +193,7 @@ def test_the_page_begins_with_the_file_that_was_given(tmp_path: Path) -> None:
         result = re.search(r"127\.0\.0\.1:(\d+)/", page.stderr.readline())
         try:
             assert result is not None
-            _, _, text = ask(int(result[1]), "GET", "/")
+            _, _, text = ask(int(result[1]), "/")
         finally:
             page.terminate()
     assert "EVENT Hot := temp &gt; 81.5" in text

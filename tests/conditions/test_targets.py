@@ -18,27 +18,11 @@ from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone import keep_in_folder, module_name, unique_names
 from tests.conditions import c_program
 from tests.conditions.formulas import DECLARATIONS, recording
+from tests.data_files import data_text
 from tests.interpreters import old_python
 
-TEXT = """\
-ENUM Mode { AUTO, MANUAL }
-VAR mode : Mode TIMEOUT 1s
-VAR motor.temps[1] : NUMBER UNIT degC RANGE -10 .. 200 TIMEOUT 500ms
-VAR motor_temps_1 : NUMBER TIMEOUT 1s
-VAR class : BOOL TIMEOUT 1s
-EVENT hot (EVIDENCE) := AVERAGE(motor.temps[1], 2s) > 80 degC AND mode == AUTO // "quoted" */ ??/
-EVENT odd (HAZARD) := class AND motor_temps_1 > 5
-"""
-EACH = """
-AVERAGE(x,2s) > 0.1 | SUM(x,1s) > y | MAX(x,300ms) > MIN(y,200ms) + 3 | MEDIAN(x,2s) < 1
-| STDDEV(x,2s) > 2.37 | RATE(x,1s) > 0.13 | COUNT(a,2s) > 7 | TIME(a,300ms) | ONCE(a,300ms)
-| RISE(a) | FALL(b) | EDGE(a) | LATCH(a,b) | HYSTERESIS(x,-1,1) | ELAPSED(a) > 1 | KNOWN(w)
-| AGE(w) > 0.2 | ABS(-x) >= y/2 | a IMPLIES b | a XOR b | AVERAGE(x,2s,COVERAGE 0.5) > 0.1
-| SUM(w,1s,COVERAGE 0.8) > 1 | NOT (a == b) | a != b | MEDIAN(w,4s,COVERAGE 0.25) < y
-| STDDEV(w,2s,COVERAGE 0.5) > 2.37 | m == AUTO | m != OFF | COUNT(b,3s,COVERAGE 0.5) > 7
-| MAX(z.range[0],1s) <= 5 | MIN(z.range[0],1s) >= -5 | AVERAGE(z.range[0],500ms) > 0.1
-| z.range[0] * 2 + x > 1 | x / y > 0.3 | KNOWN(m)
-""".strip().split("|")
+TEXT = data_text("conditions/demo.events")
+EACH = data_text("conditions/each.txt").splitlines()
 EVERYTHING = "".join(f"EVENT e{k} (HAZARD) := {text}\n" for k, text in enumerate(EACH))
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import ROOT, Result, run
+from tests.data_files import tabled
 
 FIELD = ROOT / "tests" / "data" / "oracles" / "field"
 
@@ -23,14 +24,7 @@ def test_a_part_of_a_name_may_begin_with_a_digit_on_ros1(topic: str, tmp_path: P
     assert near(tmp_path, old="/entity/1/nearest", new=topic).status == 0
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "where"),
-    [
-        ("", "", "3:47: error: /entity/1/nearest"),
-        ("near/events", "near/2", "7:25: error: near/2"),
-        ("/entity/1/nearest", "~1st", "3:47: error: ~1st"),
-    ],
-)
+@tabled
 def test_ros2_says_what_its_rule_is(old: str, new: str, where: str, tmp_path: Path) -> None:
     result = near(tmp_path, "--platform", "ros2", old=old, new=new)
     assert result.status == 1

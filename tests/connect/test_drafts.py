@@ -16,7 +16,7 @@ from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.topics import InputNeed, RobotTopic, TopicField, leaves
 from eddi_scaffold.yaml_text.nodes import Items, Map, read_map
 from tests.cli.command import ROOT, Result, files_below, run
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 from tests.hostile_texts import HOSTILE
 
 TYPES = {
@@ -277,24 +277,8 @@ def test_an_input_that_is_a_state_gets_a_condition_for_each(tmp_path: Path) -> N
     assert "    range_0_to_2_kmh: TODO  # TODO" in kept
 
 
-@pytest.mark.parametrize(
-    ("words", "code"),
-    [
-        (("gone.xml",), "F001"),
-        (("two_conserts.xml",), "G005"),
-        (("two_conserts.xml", "--name", "ConSertC"), "F005"),
-        (("two_conserts.xml", "--name", "ConSertA", "--system", "x.rossystem"), "G017"),
-        (("two_conserts.xml", "--name", "ConSertA", "--with", "draft.yml"), "K059"),
-        (("consert_a_config.yml",), "F003"),
-        (("two_conserts.xml", "--name", "ConSertB", "-o", "consert_a_config.yml"), "K026"),
-        (("Rover.yml", "-o", "Rover.yml"), "K001"),
-        (("Rover.yml", "-o", "consert_a_config.yml", "--name", "Gone"), "F005"),
-        (("pedestrian.xml", "-o", "consert_a_config.yml"), "K010"),
-    ],
-)
-def test_bad_input_is_refused_and_nothing_is_written(
-    words: tuple[str, ...], code: str, tmp_path: Path
-) -> None:
+@tabled
+def test_bad_input_is_refused_and_nothing_is_written(words, code, tmp_path):
     shutil.copytree(ROOT / "examples" / "two-conserts", tmp_path, dirs_exist_ok=True)
     shutil.copy(ROOT / "examples" / "robot-models" / "Rover.yml", tmp_path)
     shutil.copy(ROOT / "examples" / "pedestrian" / "pedestrian.xml", tmp_path)

@@ -1,27 +1,15 @@
 """Which topic of a small robot is taken for an input, which are listed, and why one is not."""
 
-import pytest
+from typing import Any
+
+import yaml
 
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.topics import InputNeed, RobotTopic
 from eddi_scaffold.monitors.message_types import known_messages
+from tests.data_files import data_text, tabled
 
-ROBOT = {
-    "odom": ("nav_msgs/Odometry", "/odom"),
-    "cmd_vel": ("geometry_msgs/Twist", "/cmd_vel"),
-    "scan_front": ("sensor_msgs/LaserScan", "/laser_front/scan"),
-    "scan_rear": ("sensor_msgs/LaserScan", "/laser_rear/scan"),
-    "front_standby": ("std_msgs/Bool", "/laser_front/standby"),
-    "gripper_closed": ("std_msgs/Bool", "/gripper/closed"),
-    "link_lost": ("std_msgs/Bool", "/radio/link_lost"),
-    "battery": ("sensor_msgs/BatteryState", "/battery"),
-    "temperature": ("sensor_msgs/Temperature", "/motor/temperature"),
-    "joints": ("sensor_msgs/JointState", "/arm/joint_states"),
-    "pose": ("geometry_msgs/PoseWithCovarianceStamped", "/amcl_pose"),
-    "features": ("std_msgs/Float32MultiArray", "/camera/features"),
-    "guarantees": ("eddi_messages/ConSertOutput", "/other/guarantees"),
-    "gone": ("gone_msgs/Marker", "/camera/marker"),
-}
+ROBOT = yaml.load(data_text("connect/small_robot.yml"), yaml.CSafeLoader)
 TOPICS = [RobotTopic(name, *rest) for name, rest in ROBOT.items()]
 
 
@@ -31,19 +19,8 @@ def decided(need: InputNeed, offers: list[Fulfilment] | None = None) -> Decision
     return decision
 
 
-@pytest.mark.parametrize(
-    ("id_", "type_", "unit", "topic", "key", "text", "given"),
-    [
-        ("Speed", "float", "m/s", "odom", "field", "twist.twist.linear.x", None),
-        ("YawRate", "float", "deg/s", "odom", "field", "twist.twist.angular.z", "rad/s"),
-        ("GripperClosed", "bool", None, "gripper_closed", "field", "data", None),
-        ("BatteryCharge", "float", "percent", "battery", "field", "percentage", "fraction"),
-        ("CameraFeatures", "float[]", None, "features", "field", "data", None),
-    ],
-)
-def test_what_is_clear_is_taken(
-    id_: str, type_: str, unit: str | None, topic: str, key: str, text: str, given: str | None
-) -> None:
+@tabled
+def test_what_is_clear_is_taken(id_, type_, unit, topic, key, text, given):
     decision = decided(InputNeed(id_, type_, unit=unit))  # type: ignore[arg-type]
     best = decision.candidates[0]
     assert (decision.state, best.topic.id, best.access.key) == ("taken", topic, key)
@@ -51,46 +28,19 @@ def test_what_is_clear_is_taken(
     assert best.access.unit == given
 
 
-@pytest.mark.parametrize(
-    ("need", "listed", "text"),
-    [
-        (InputNeed("ArmJointPosition", "float", unit="rad"), "joints", "position[TODO]"),
-        (InputNeed("PoseUncertainty", "float", unit="m"), "pose", "SQRT(pose.pose.covariance[0])"),
-        (
-            InputNeed("ObstacleDistance", "float", unit="m"),
-            "scan_front",
-            "MIN(scan_front",
-        ),
-        (InputNeed("ClimbSpeed", "float", unit="m/s"), "odom", "twist.twist.linear.z"),
-        (InputNeed("RadioLink", "bool"), "link_lost", "data"),
-        (InputNeed("MarkerVisible", "bool"), "gone", "TODO"),
-        (InputNeed("FrontScanMatch", "float"), "scan_front", "ranges[TODO]"),  # no distance
-        (InputNeed("PowerHolds", "bool"), "battery", "present"),  # says nothing of its power
-        (InputNeed("CpuHeat", "float", unit="degC"), "temperature", "temperature"),  # of the motor
-        (
-            InputNeed("DistanceToRearGoal", "float", unit="m"),
-            "scan_rear",
-            "MIN(scan_rear",
-        ),
-        (InputNeed("Demand", "bool", is_demand=True), "guarantees", "guarantees[TODO].active"),
-    ],
-)
-def test_what_is_not_clear_is_left_to_a_person(need: InputNeed, listed: str, text: str) -> None:
-    decision = decided(need)
+@tabled
+def test_what_is_not_clear_is_left_to_a_person(need, listed, text):
+    decision = decided(InputNeed(**need))
     assert decision.state == "listed"
     found = {one.topic.id: one.access.text for one in decision.candidates}
     assert found[listed].startswith(text)
 
 
-@pytest.mark.parametrize(
-    ("need", "topic", "why"),
-    [
-        (InputNeed("GripperClosed", "float"), "gripper_closed", "it is a bool"),
-        (InputNeed("MotorTemperature", "float", unit="Pa"), "temperature", "it is in degC"),
-    ],
-)
-def test_the_nearest_miss_is_named(need: InputNeed, topic: str, why: str) -> None:
-    (decision,) = decide([need], [one for one in TOPICS if one.id == topic], known_messages().get)
+@tabled
+def test_the_nearest_miss_is_named(need: dict[str, Any], topic: str, why: str) -> None:
+    (decision,) = decide(
+        [InputNeed(**need)], [one for one in TOPICS if one.id == topic], known_messages().get
+    )
     missed = decision.missed
     assert missed is not None
     assert (missed.topic.id, missed.reasons) == (topic, (why,))

@@ -28,21 +28,8 @@ ROBOTS = [
 
 def consert(inputs: dict[str, str | None]) -> str:
     """Return a ConSert that needs all of some evidence: true, or a number below 2."""
-    numeric = {"covered": [{"Inclusive": {"start": 0, "end": 2}}], "subset": "Demand"}
-    dimensions = {
-        name: {"Binary": {"type": name}}
-        if unit is None
-        else {"Numeric": {"type": name, "uom": unit, **numeric}}
-        for name, unit in inputs.items()
-    }
-    edges = [{"from": name, "to": "All"} for name in inputs]
-    return dump_plain({
-        "guarantees": [{"id": "Fine", "dimensions": [{"Binary": {"type": "Fine"}}]}],
-        "evidence": [{"id": name, "dimension": known} for name, known in dimensions.items()],
-        "gates": [{"id": "All", "function": "And"}],
-        "tree_propagations": [*edges, {"from": "All", "to": "Fine"}],
-        **{key: [] for key in ("demands", "required_services", "provided_services")},
-    })  # fmt: skip
+    evidence = {name: "bool" if unit is None else f"0 .. 2 {unit}" for name, unit in inputs.items()}
+    return dump_plain({"evidence": evidence, "guarantees": {"Fine": " AND ".join(inputs)}})
 
 
 def decided(text: str, answers: dict[str, str]) -> tuple[str, int]:

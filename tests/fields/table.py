@@ -5,56 +5,13 @@ Each of them runs this with its own Python, and real messages: ``table.py ros1|r
 
 import json
 import sys
+from pathlib import Path
 
-PACKAGE = "field_msgs"
-INNER = "int32 value\nstring name\n"
-ALL = """\
-uint8 LIMIT=200
-string WORD=constant
-std_msgs/Header header
-bool flag
-byte level
-char letter
-int8 tiny
-uint8 small
-int16 shorter
-uint16 word
-int32 number
-uint32 count
-int64 longer
-uint64 huge
-float32 half
-float64 tenth
-string text
-time at
-duration lasts
-byte[3] levels
-byte[] more_levels
-char[2] letters
-char[] more_letters
-uint8[2] bytes_here
-uint8[] bytes_there
-bool[] flags
-float64[3] triple
-float32[] ranges
-string[] names
-int32[] unbounded
-string short_text
-string[] few_words
-int32 preset
-field_msgs/Inner inner
-field_msgs/Inner[] list
-field_msgs/Inner[2] pair
-"""
-ONLY_ROS2 = {
-    "time at": "builtin_interfaces/Time at",
-    "duration lasts": "builtin_interfaces/Duration lasts",
-    "int32[] unbounded": "int32[<=3] unbounded",
-    "string short_text": "string<=5 short_text",
-    "string[] few_words": "string<=5[<=2] few_words",
-    "int32 preset": "int32 preset 7",
-    "field_msgs/Inner": "Inner",
-}
+HERE = Path(__file__).parent
+PACKAGE = HERE / "field_msgs"
+"""The package of messages for ROS 2."""
+ALL, INNER = ((PACKAGE / "msg" / f"{name}.msg").read_text("utf-8") for name in ("All", "Inner"))
+ALL_OF_ROS1 = (HERE / "All.ros1.msg").read_text("utf-8")
 VALUES = {
     "flag": True, "level": 2, "letter": 65, "tiny": -5, "small": 250, "shorter": -300,
     "word": 60000, "number": -70000, "count": 4000000000, "longer": -(2**40), "huge": 2**63,
@@ -87,50 +44,6 @@ READS = {
     "names": ("names", None),
 }
 """What a configuration writes -> (path, what it is), of a whole message or list: unknown."""
-
-
-def ros2_text():
-    """Return the text of the message in ROS 2."""
-    text = ALL
-    for old, new in ONLY_ROS2.items():
-        assert old in text
-        text = text.replace(old, new)
-    return text
-
-
-WIDE = "wstring text\nbyte level\n"
-MANIFEST = """<package format="3">
-  <name>field_msgs</name>
-  <version>1.0.0</version>
-  <description>Every type of a field</description>
-  <maintainer email="nobody@example.org">Nobody</maintainer>
-  <license>Apache-2.0</license>
-  <buildtool_depend>ament_cmake</buildtool_depend>
-  <build_depend>rosidl_default_generators</build_depend>
-  <depend>std_msgs</depend>
-  <exec_depend>rosidl_default_runtime</exec_depend>
-  <member_of_group>rosidl_interface_packages</member_of_group>
-  <export><build_type>ament_cmake</build_type></export>
-</package>
-"""
-BUILD = """cmake_minimum_required(VERSION 3.10)
-project(field_msgs)
-find_package(ament_cmake REQUIRED)
-find_package(rosidl_default_generators REQUIRED)
-find_package(std_msgs REQUIRED)
-rosidl_generate_interfaces(${PROJECT_NAME}
-  "msg/All.msg" "msg/Inner.msg" "msg/Wide.msg" DEPENDENCIES std_msgs)
-ament_package()
-"""
-
-
-def write_package(folder):
-    """Write the package of messages for ROS 2."""
-    (folder / "msg").mkdir(parents=True)
-    (folder / "package.xml").write_text(MANIFEST)
-    (folder / "CMakeLists.txt").write_text(BUILD)
-    for name, text in {"All": ros2_text(), "Inner": INNER, "Wide": WIDE}.items():
-        (folder / "msg" / f"{name}.msg").write_text(text, "utf-8")
 
 
 def fill(message, inner, *, seconds="sec", nanoseconds="nanosec", entry=int):

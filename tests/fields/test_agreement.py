@@ -16,7 +16,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.ros]
 
 FIELDS = [
     line.split("#")[0].split()
-    for line in table.ros2_text().splitlines()
+    for line in table.ALL.splitlines()
     if "=" not in line.replace("<=", "")
 ]
 EXPECTED = {name: value for name, (_, value) in table.READS.items()}
@@ -40,8 +40,8 @@ def ros2():
 @pytest.fixture(scope="module")
 def ros1(tmp_path_factory):
     demand(why_no_ros())
-    texts = {"All": table.ALL, "Inner": table.INNER}
-    made = make_messages(tmp_path_factory.mktemp("ros1") / "made", texts, table.PACKAGE)
+    texts = {"All": table.ALL_OF_ROS1, "Inner": table.INNER}
+    made = make_messages(tmp_path_factory.mktemp("ros1") / "made", texts, table.PACKAGE.name)
     env = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8", "PYTHONPATH": str(made)}
     return printed(PYTHON, "ros1", env)
 
@@ -84,7 +84,7 @@ def test_bags(on, request):
 
     data = bytes.fromhex(request.getfixturevalue(on)["data"])
     store = get_typestore(Stores.ROS1_NOETIC if on == "ros1" else Stores.ROS2_KILTED)
-    text = table.ALL if on == "ros1" else table.ros2_text()
+    text = table.ALL_OF_ROS1 if on == "ros1" else table.ALL
     store.register(get_types_from_msg(table.INNER, "field_msgs/msg/Inner"))
     store.register(get_types_from_msg(text, "field_msgs/msg/All"))
     read = store.deserialize_ros1 if on == "ros1" else store.deserialize_cdr

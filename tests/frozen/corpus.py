@@ -21,33 +21,9 @@ ROBOTS = {
     "examples/robot-models": ("--system", "rover.rossystem", "--models", "nodes"),
 }
 """Folder -> options that name the models of its robot."""
-RUNS: Mapping[str, Sequence[str]] = {
-    "examples/drone": (
-        "drone.xml -c reliability_config.yml --inputs recording.csv",
-        "drone.xml -c reliability_config.yml --inputs recording.csv --steps rows",
-    ),
-    "examples/motor-watch": (
-        "motor_watch.events -c motor_config.yml --inputs recording.csv",
-        "motor_watch.events -c motor_config.yml --inputs recording.csv --steps rows",
-        "drive.yml -c motor_config.yml -c drive_config.yml --inputs recording.csv",
-    ),
-    "examples/pedestrian": (
-        "pedestrian.xml -c eddi_config.yml --inputs recording.csv",
-        "pedestrian.xml -c eddi_config.yml --inputs recording.csv --steps rows",
-    ),
-    "examples/safeml": (
-        "safeml_config.yml -c perception_config.yml --inputs recording.csv",
-        "landing.yml -c perception_config.yml -c landing_config.yml --inputs recording.csv",
-    ),
-    "examples/two-conserts": (
-        "two_conserts.xml -c consert_a_config.yml --inputs recording.csv",
-        "two_conserts.xml -c consert_a_config.yml -c consert_b_config.yml --inputs recording.csv",
-    ),
-    "examples/warehouse-robot": (
-        "-c lidar_config.yml -c localisation_config.yml -c warehouse_config.yml --bag shift.bag",
-        "-c power_config.yml -c people_config.yml -c warehouse_config.yml --bag shift.bag",
-    ),
-}
+RUNS: Mapping[str, Sequence[str]] = yaml.safe_load(
+    Path(__file__).with_name("runs.yml").read_text("utf-8")
+)
 """Folder -> words after ``run``."""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
+from pathlib import Path
 from random import Random
 from typing import Any
 
@@ -16,6 +17,7 @@ from tests.deployments.pool.templates import Template
 from tests.metamodel.eddis import random_eddi
 
 Files = Mapping[str, str]
+_SCOPE = Path(__file__).with_name("scope_config.yml")
 POOL = 70
 """So many of a kind come from the pool of deployments, with their configurations."""
 
@@ -226,19 +228,8 @@ def _safeml(number: int) -> Files:
     for _ in range(rows):
         value = [0.5 * one + rng.gauss(0, 1 + k) for k, one in enumerate(value)]
         lines.append(",".join(f"{one:.3f}" for one in value))
-    config = {
-        "Model": {
-            "id": "scope",
-            "type": "SafeML",
-            "frequency": 10,
-            "parameters": [{"config": "scope.yml"}],
-        },
-        "SimulatorOutputs": [{"id": "x", "type": "std_msgs.Float64MultiArray", "topic": "/x"}],
-        "EDDIInputs": [{"id": "frame", "type": "float[]", "requires": ["x"], "field": "data"}],
-        "EDDIOutputs": [{"id": "out", "topic": "scope/out"}],
-    }
     files = {"scope.yml": _dump(settings), "reference.csv": "\n".join(lines) + "\n"}
-    return {**files, "scope_config.yml": _dump(config)}
+    return {**files, "scope_config.yml": _SCOPE.read_text("utf-8")}
 
 
 MAKERS: Mapping[str, Callable[[int], Files]] = {

@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
@@ -58,6 +59,7 @@ from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
 from tests.data_files import FOREIGN, ORACLES, data_text
+from tests.diagnosed import Cases
 from tests.fuzz.damage import Reader, Sample
 from tests.mros.test_reading import INDENT_MODEL, MODEL, SYSTEM
 from tests.package_texts import INPUT, eddi_input
@@ -146,7 +148,9 @@ def _compiled(path: Path, configs: Sequence[Path], platform: str) -> Steps:
         yield
 
 
-def _models(*files: str, oracles: str = "") -> Callable[[Path], Made]:
+def _models(
+    *files: str, oracles: str = "", more: Callable[[], Sequence[Sample]] = list
+) -> Callable[[Path], Made]:
     def make(folder: Path) -> Made:
         beside = {Path(file).parent for file in files}
         for path in (one for name in beside for one in (EXAMPLES / name).iterdir()):
@@ -158,12 +162,9 @@ def _models(*files: str, oracles: str = "") -> Callable[[Path], Made]:
             path.write_bytes(sample.data)
             yield from used(path)
 
-        return _samples(files, oracles), attempt
+        return [*_samples(files, oracles), *more()], attempt
 
     return make
-
-
-_DEPLOYMENT = data_text("fuzz/deployment.yml")
 
 
 def _deployment(folder: Path) -> Made:
@@ -180,8 +181,8 @@ def _deployment(folder: Path) -> Made:
             sites_of(read_source(path), checked_models)
         yield
 
-    whole = Sample("whole.yml", _DEPLOYMENT.encode())
-    return [*_samples(["two-robots/deployment.yml"]), whole], attempt
+    more = _text("whole.yml", "fuzz/deployment.yml")()
+    return [*_samples(["two-robots/deployment.yml"]), *more], attempt
 
 
 def _written(folder: Path) -> Made:
@@ -213,25 +214,8 @@ def _exported(suffix: str) -> list[Sample]:
     return found
 
 
-def _networks(suffix: str) -> Callable[[Path], Made]:
-    def make(folder: Path) -> Made:
-        _, attempt = _models()(folder)
-        return _exported(suffix), attempt
-
-    return make
-
-
-def _texts(name: str, text: bytes) -> Callable[[Path], Made]:
-    def make(folder: Path) -> Made:
-        _, attempt = _models()(folder)
-        return [Sample(name, text)], attempt
-
-    return make
-
-
-_BIF = data_text("fuzz/dogs.bif").encode()
-
-_MEF = data_text("fuzz/tank.xml").encode()
+def _text(name: str, text: str) -> Callable[[], Sequence[Sample]]:
+    return lambda: [Sample(name, data_text(text).encode())]
 
 
 def _config(folder: Path) -> Made:
@@ -285,11 +269,9 @@ def _shorten(path: Path, lines: int) -> None:
     path.write_bytes(b"\n".join(path.read_bytes().split(b"\n")[:lines]))
 
 
-def _reliability(folder: Path) -> Made:
-    samples, attempt = _models("drone/airframe.yml")(folder)
-    texts = (ROOT / "tests/kinds/reliability/diagnostics.txt").read_text("utf-8").split("### ")
-    cases = (text.partition("\n")[2].partition(">>>\n")[0] for text in texts[1:])
-    return [*samples, *(Sample("case.yml", text.encode()) for text in cases)], attempt
+def _reliability() -> list[Sample]:
+    cases = Cases(ROOT / "tests/kinds/reliability/diagnostics.txt").inputs.values()
+    return [Sample("case.yml", text.encode()) for text in cases]
 
 
 def _safeml(folder: Path) -> Made:
@@ -308,7 +290,7 @@ def _safeml(folder: Path) -> Made:
 
 def _events(folder: Path) -> Made:
     samples = _samples(["motor-watch/motor_watch.events"])
-    samples.append(Sample("many.events", _EVENTS))
+    samples += _text("many.events", "fuzz/many.events")()
 
     def attempt(sample: Sample) -> Steps:
         path = folder / sample.name
@@ -325,9 +307,6 @@ def _events(folder: Path) -> Made:
                     yield
 
     return samples, attempt
-
-
-_EVENTS = data_text("fuzz/many.events").encode()
 
 
 def _robots(folder: Path) -> Made:
@@ -540,13 +519,13 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     "ConSert YAML": _models(
         "robot-models/Rover.yml", "rover-events/Rover.yml", "motor-watch/drive.yml"
     ),
-    "XDSL": _networks(".xdsl"),
-    "XMLBIF": _networks(".xmlbif"),
-    "BIF": _texts("n.bif", _BIF),
+    "XDSL": _models(more=partial(_exported, ".xdsl")),
+    "XMLBIF": _models(more=partial(_exported, ".xmlbif")),
+    "BIF": _models(more=_text("n.bif", "fuzz/dogs.bif")),
     "configuration": _config,
     "deployment": _deployment,
-    "reliability YAML": _reliability,
-    "Open-PSA": _texts("t.xml", _MEF),
+    "reliability YAML": _models("drone/airframe.yml", more=_reliability),
+    "Open-PSA": _models(more=_text("t.xml", "fuzz/tank.xml")),
     "SafeML": _safeml,
     "events": _events,
     "robot models": _robots,

@@ -14,6 +14,7 @@ from typing import Any
 
 import copier
 import pytest
+import yaml
 from copier.errors import CopierError
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -22,6 +23,7 @@ from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.regions.package import NEW
 from tests.cli.command import ROOT, files_below, template
+from tests.data_files import data_text
 from tests.fuzz.readers import without_cross_check
 from tests.fuzz.test_names_are_no_code import FEW, check_texts, shapes
 from tests.hostile_texts import HOSTILE
@@ -37,34 +39,7 @@ MODELS = {
     "network": (EXAMPLES / "pedestrian/pedestrian.xml", "eddi_config.yml"),
     "plain": (ROOT / "tests/golden/models/rover.yml", None),
 }
-CODE = [
-    "import os",
-    "None; import os",
-    "None if exec('x') else None",
-    "'a' + exec('x')",
-    "('a', exec('x'))",
-    "('a',), exec('x')",
-    "0.0\nimport os",
-    "1+1",
-    "a\n",
-    "a: exec('x')",
-    "a=exec('x')",
-    "self.a = exec('x')",
-    "self.a = by_id(exec('x'), 'a').b",
-    "self.a = self.expression('a'); import os",
-    "return exec('x')",
-    "    'a': exec('x'),",
-    "from os import system",
-    "from typing import Dict; import os",
-    "from std_msgs.msg import Bool as exec, system",
-    '    """a"""; import os',
-    " -> exec('x')",
-    ", every_message=exec('x')",
-    "\n            only=exec('x'),",
-    "'''-----Manual edit begin-----'''  # region: a\nimport os",
-    "[exec('x')]",
-    "a'); exec('x",
-]
+TEXTS = yaml.safe_load(data_text("fuzz/answers.yml"))
 
 
 @cache
@@ -141,7 +116,7 @@ PLACES = [
 
 
 @settings(max_examples=5 * FEW)
-@given(place=st.sampled_from(PLACES), text=st.sampled_from([*HOSTILE, *CODE]))
+@given(place=st.sampled_from(PLACES), text=st.sampled_from([*HOSTILE, *TEXTS["code"]]))
 def test_hostile_answers(place: tuple[str, str, PATHS], text: str) -> None:
     which, package, path = place
     files = rendered(changed(sound(which)[package], path, text))
@@ -156,61 +131,13 @@ def test_hostile_answers(place: tuple[str, str, PATHS], text: str) -> None:
             assert files.keys() <= sound_ones.keys()
 
 
-METHOD = ("modules", 0, "methods", 0)
-REFUSED: list[tuple[str, PATHS, object]] = [
-    ("modules", ("modules", 0, "name"), "sitecustomize"),
-    ("modules", ("modules", 0, "name"), "EDDIMonitor"),
-    ("modules", ("modules", 0, "name"), "../other_config"),
-    ("modules", ("modules", 0, "imports"), ["import os"]),
-    ("modules", ("modules", 0, "imports"), ["from typing import Dict\nimport os"]),
-    ("modules", ("modules", 0, "plain_methods", 1), "    import os"),
-    ("modules", ("modules", 0, "docstring"), '"""\nimport os\n"""'),
-    ("modules", (*METHOD, "body"), ["import os"]),
-    ("modules", (*METHOD, "before"), ["import os"]),
-    ("modules", (*METHOD, "after"), ["import os"]),
-    ("modules", (*METHOD, "returns"), ": import os"),
-    ("modules", (*METHOD, "region_begin"), "import os"),
-    ("modules", (*METHOD, "more"), "x"),
-    ("aliases", ("aliases", 0, "name"), "usercustomize"),
-    ("aliases", ("aliases", 0, "module"), "ros1 import x; import os"),
-    ("aliases", ("aliases", 0, "names"), "os"),
-    ("inputs", ("inputs", 0, "body"), ["import os"]),
-    ("inputs", ("inputs", 0, "body"), "pass"),
-    ("inputs", ("inputs", 0, "id"), "exec('x')"),
-    ("inputs", ("inputs", 0, "default"), "exec('x')"),
-    ("inputs", ("inputs", 0, "requires"), "('a', exec('x'))"),
-    ("inputs", ("inputs", 0, "title"), "`<img src=x>`"),
-    ("inputs", ("inputs", 0, "covered"), "<img src=x>"),
-    ("inputs", ("inputs", 0), "pass"),
-    ("inputs", ("inputs",), {"a": 1}),
-    ("publications", ("publications", 0, "more"), ", exec('x')"),
-    ("publications", ("publications", 0, "title"), "`<img src=x>`"),
-    ("subscriptions", ("subscriptions", 0, "topic"), "exec('x')"),
-    ("subscriptions", ("subscriptions", 0, "message_class"), "exec"),
-    ("publications", ("publications", 0, "message_class"), "exec"),
-    ("message_imports", ("message_imports",), ["from os import system"]),
-    ("message_imports", ("message_imports",), ["from os.msg import Bool"]),
-    ("message_imports", ("message_imports",), ["from std_msgs.msg import Bool as sys"]),
-    ("frequency", ("frequency",), "1+1"),
-    ("package", ("package",), "sitecustomize"),
-    ("package", ("package",), "json"),
-    ("package", ("package",), "a_b\n"),
-    ("runtime_module", ("runtime_module",), "os"),
-    ("own_package", ("own_package",), "os"),
-    ("runtime_version", ("runtime_version",), "0.1'); exec('x"),
-    ("installed", ("installed",), True),
-    ("readme", ("readme",), ["<script>alert(1)</script>"]),
-    ("license", ("license",), "a\x08"),
-]
-
-
-@pytest.mark.parametrize(("question", "path", "value"), REFUSED, ids=str)
-def test_refused(question: str, path: PATHS, value: object, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("place", "value"), TEXTS["refused"])
+def test_refused(place: str, value: object, tmp_path: Path) -> None:
+    question, *rest = (int(word) if word.isdigit() else word for word in place.split())
     answers = sound("network")["pedestrian_prediction_example"]
+    hostile = changed({question: None, **answers}, (question, *rest), value)
     with pytest.raises(ValueError, match=f"Validation error for question '{question}'"):
-        copied(
-            changed({**answers, path[0]: answers.get(str(path[0]))}, path, value), tmp_path / "p"
-        )
+        copied(hostile, tmp_path / "p")
 
 
 def test_hostile_answers_of_a_package_are_refused(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@
 """
 
 import json
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import platforms
 from tests.cli.command import EXAMPLE, Result, files_below, run
-from tests.fuzz.mutations import mutations
+from tests.fuzz.damage import damaged
 from tests.kinds.consert.example import ROVER
 
 pytestmark = pytest.mark.slow
@@ -38,6 +39,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 GENERATE = ("generate", "--platform", "plain", "-o", "packages", "-m")
 YAML = ROVER.encode()
+
+
+def mutations(data: bytes) -> st.SearchStrategy[bytes]:
+    """Return the bytes with some damage, which shrinks."""
+    return st.randoms().map(partial(damaged, data))
 
 
 def answered(result: Result, *statuses: int) -> None:

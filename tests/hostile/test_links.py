@@ -42,7 +42,6 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def catkin(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = example(tmp_path_factory.mktemp("catkin"))
-    (folder / "ws/src").mkdir(parents=True)
     assert run(*CATKIN, cwd=folder).status == 0
     return folder
 

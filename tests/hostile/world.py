@@ -68,7 +68,6 @@ def build(folder: Path) -> World:
         (shutil.copytree if source.is_dir() else shutil.copy)(source, world.work / name)
     for name in ("deployment.yml", "arm.yml", "arm_config.yml", "cart.yml", "cart_config.yml"):
         shutil.copy(ROOT / "examples" / "two-robots" / name, world.work / name)
-    (world.work / "ws" / "src").mkdir(parents=True)
     _run(world, "export", "two_conserts.xml", "--name", "ConSertA", "-o", "yml")
     write_old_ros_package(world.work / "old", (world.work / "yml/ConSertA.yml").read_text("utf-8"))
     files = ("-m", "two_conserts.xml", "-c", "consert_a_config.yml")

@@ -1,6 +1,7 @@
 """What every kind promises: the same tests for each, on its worked example."""
 
 import json
+import math
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from typing import Any
 import pytest
 import yaml
 from eddi_runtime.inputs import InputState
+from eddi_runtime.why import TRUE, claim_why
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import has_errors
@@ -107,8 +109,38 @@ def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind) -> None:
         claimed = {name for name, value in running.series(output).items() if value is True}
         assert claimed <= {"omission"}  # SafeML: there is no verdict
         json.dumps(running.as_json(output))
+        assert all(one.sentence for one in running.why().values())
     running.reset()
     assert set(running.blocked()) <= {spec.id for spec in running.inputs}
+
+
+class Hostile:
+    def __getattr__(self, name: str) -> Any:
+        raise RuntimeError(name)
+
+    __eq__ = __len__ = __float__ = __str__ = __repr__ = __getattr__  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]
+
+
+VALUES = (None, True, False, 0.5, -1e9, 10**400, math.nan, math.inf, "x\0", [], [1.0], b"a")
+
+
+@each_kind
+def test_whatever_its_inputs_hold_it_says_why(kind: Kind) -> None:
+    running = compiled(monitor_of(kind))
+    claims: set[str] = set()
+    for second, value in enumerate((*VALUES, Hostile(), object)):
+        for time in (second * 10**9, "no time", -second):
+            given = {spec.attribute: value for spec in running.inputs}
+            running.execute_step(SimpleNamespace(**given), time)
+            rows = [claim_why("m", *row) for row in running._whys()]
+            claims |= {row.id for row in rows}
+            for row in rows:
+                assert (row.verdict == TRUE) == (not row.causes) == (not row.sentence)
+                assert len(row.sentence) <= 402
+                json.dumps(row.as_json())
+    named = {one.id for one in monitor_of(kind).facts.claims} - {"", "odd_violation", "valid"}
+    assert claims >= named
 
 
 def without_limits(kind: Kind, folder: Path) -> BoundMonitor:

@@ -10,7 +10,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 from tests.diagnosed import assert_reported
 
 SPEED = data_text("monitors/speed.yml")
@@ -18,15 +18,8 @@ SPEED = data_text("monitors/speed.yml")
 
 def config_text(entry: str, sources: str = "", top: str = "") -> str:
     """Return a configuration of SPEED that has one input."""
-    return (
-        f"Model: {{id: speed, type: ConSert{top}}}\n"
-        "SimulatorOutputs:\n"
-        "  - {id: lidar, type: std_msgs/msg/Float32, topic: /lidar, max_age: 2}\n"
-        "  - {id: other, type: my_msgs.Other, topic: /other, max_age: 1.5}\n"
-        f"{sources}"
-        f"EDDIInputs:\n  - {{id: Clearance, {entry}}}\n"
-        "EDDIOutputs: [{id: out, topic: /speed}]\n"
-    )
+    text = data_text("monitors/speed_config.yml").replace("TOP", top)
+    return text.replace("SOURCES", sources).replace("ENTRY", entry)
 
 
 def joined(
@@ -73,21 +66,7 @@ def test_a_unit_becomes_an_exact_factor() -> None:
     assert sound("requires: [lidar], unit: meter").inputs[0].factor is None
 
 
-@pytest.mark.parametrize(
-    ("default", "codes"),
-    [
-        ("1", []),
-        ("1.9", []),
-        ("-5", []),
-        ("2", ["K024"]),
-        ("2, allow_unsafe_default: true", []),
-        ("2000, unit: mm", ["K024"]),
-        ("1999, unit: mm", []),
-        ("true", ["K016"]),
-        ("near", ["K016"]),
-        (".inf", ["K016"]),
-    ],
-)
+@tabled
 def test_a_default_must_fit_and_must_not_count_as_evidence(default: str, codes: list[str]) -> None:
     problems = joined(f"requires: [lidar], default: {default}")[1]
     assert [problem.code for problem in problems if problem.level == "error"] == codes
@@ -140,41 +119,13 @@ def said(entry: str, uom: str = "m") -> list[tuple[str, str, str | None]]:
     return [(one.code, one.message, one.hint) for one in found if one.level == "error"]
 
 
-@pytest.mark.parametrize(
-    ("entry", "uom"),
-    [
-        ("requires: [scan], field: 'ranges[0]'", "m"),
-        ("requires: [scan], field: 'ranges[0]'", "meter"),
-        ("requires: [scan], field: 'ranges[0]', unit: m", "km"),
-        ("expression: 'MIN(scan.ranges[*])'", "m"),
-        ("expression: 'MIN(scan.ranges[*]) * 2'", "km"),  # units of products are not tracked
-        ("requires: [battery], field: percentage", '""'),
-        ("requires: [battery], field: percentage, unit: fraction", "percent"),
-        ("requires: [joints], field: 'position[arm]'", "rad"),
-        ("requires: [joints], field: 'position[arm]'", "m"),  # the joint decides
-        ("requires: [scan], field: 'intensities[0]'", "V"),  # nobody says
-        ("requires: [imu], field: angular_velocity.z", "rad/s"),
-    ],
-)
+@tabled
 def test_units_that_agree(entry: str, uom: str) -> None:
     assert said(entry, uom) == []
 
 
-@pytest.mark.parametrize(
-    ("source", "path", "uom", "told", "hint"),
-    [
-        ("battery", "percentage", "percent", "fraction, 'Clearance' in percent", "100 percent"),
-        ("scan", "'ranges[0]'", "mm", "m, 'Clearance' in mm", "1000 mm"),
-        ("scan", "'ranges[0]', unit: km", "m", "m, 'Clearance' in km", "0.001 km"),
-        ("imu", "angular_velocity.z", "deg/s", "rad/s, 'Clearance' in deg/s", "57.2958 deg/s"),
-        ("battery", "voltage", "m", f"V, 'Clearance' in m: {OTHER}", None),
-        ("battery", "voltage", '""', f"V, 'Clearance' in a ratio: {OTHER}", None),
-        ("joints", "'position[arm]'", "V", f"rad or m, 'Clearance' in V: {OTHER}", None),
-    ],
-)
-def test_a_unit_that_contradicts_the_message_is_an_error(
-    source: str, path: str, uom: str, told: str, hint: str | None
-) -> None:
+@tabled
+def test_a_unit_that_contradicts_the_message_is_an_error(source, path, uom, told, hint):
     ((code, message, way),) = said(f"requires: [{source}], field: {path}", uom)
     assert (code, message.partition(" is in ")[2]) == ("K022", told)
     unit = told.partition(",")[0]

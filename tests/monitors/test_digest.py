@@ -18,6 +18,7 @@ from eddi_scaffold.monitors.compiling import digest_of
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.instructions import Operation
 from tests.cli.command import run
+from tests.data_files import tabled
 from tests.frozen import corpus
 from tests.frozen.random_models import MAKERS
 from tests.frozen.texts import REFUSED, compiled_text, computed_by, parts_of, write
@@ -128,22 +129,7 @@ def test_a_new_field_with_a_default_changes_no_digest() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"id": "b"},
-        {"attribute": "b"},
-        {"requires": ("x",)},
-        {"max_age": "none"},
-        {"factor": (1, 1000)},
-        {"default": 1},
-        {"default": True},
-        {"default": 1.0},
-        {"every_message": True},
-        {"expression": {"parts": ()}},
-        {"accepts": ("max_age: none",)},
-    ],
-)
+@tabled
 def test_each_property_of_an_input_counts(change: Mapping[str, Any]) -> None:
     inputs = BoundInput("a", "a"), BoundInput(**{"id": "a", "attribute": "a", **change})
     before, after = (digest_of(input_) for input_ in inputs)

@@ -4,7 +4,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
 from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.common.files import Source, read_source
@@ -14,9 +13,10 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 from tests.checkouts import HERE
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 
 EXAMPLE = HERE / "examples" / "rover-events"
+ROVER = data_text("monitors/rover_config.yml")
 SECOND = 1_000_000_000
 
 
@@ -30,18 +30,7 @@ def joined(config: str, folder: Path = Path()) -> tuple[BoundMonitor | None, lis
 
 
 def config(battery: str, motor: str = "expression: motor.data < 80", more: str = "") -> str:
-    return f"""Model: {{id: Rover, type: ConSert, frequency: 10}}
-SimulatorOutputs:
-  - {{id: battery, type: sensor_msgs.BatteryState, topic: /battery, max_age: 1.0}}
-  - {{id: motor, type: std_msgs.Float32, topic: /motor, max_age: 0.5}}
-{more}EDDIInputs:
-  - id: BatteryIsFine
-    {battery}
-  - id: MotorIsCool
-    {motor}
-EDDIOutputs:
-  - {{id: rover, topic: /rover/guarantees}}
-"""
+    return ROVER.replace("MORE", more).replace("BATTERY", battery).replace("MOTOR", motor)
 
 
 def sound(result: tuple[BoundMonitor | None, list[Problem]]) -> BoundMonitor:
@@ -71,15 +60,6 @@ def step(
     return getattr(eddi_input, name)
 
 
-def test_an_expression_needs_no_requires_and_no_code() -> None:
-    monitor, problems = joined((EXAMPLE / "eddi_config.yml").read_text("utf-8"))
-    assert monitor is not None, problems
-    assert problems == []
-    battery = monitor.inputs[0]
-    assert [source.id for source in battery.requires] == ["battery"]
-    assert battery.is_given
-
-
 def test_missing_stale_and_nan_are_unknown() -> None:
     eddi_input = bound(sound(joined(config('expression: "battery.percentage > 0.2"'))))
     good = SimpleNamespace(percentage=0.5)
@@ -105,24 +85,7 @@ def test_another_input_may_be_named() -> None:
     assert step(eddi_input, "MotorIsCool", 0, {}, **messages) is True
 
 
-@pytest.mark.parametrize(
-    ("battery", "code", "line", "col", "words"),
-    [
-        ('expression: "batery.present"', "E008", 7, 18, "no simulator output 'batery'"),
-        ("expression: battery.presnt", "K020", 7, 17, "has no field 'presnt'"),
-        ("expression: battery.present.x", "K020", 7, 17, "a bool has no field 'x'"),
-        ("expression: battery.header", "K020", 7, 17, "is a std_msgs/Header"),
-        ('expression: "battery.present AND"', "E001", 7, 37, ""),
-        ("expression: battery.percentage", "E007", 7, 17, "the input needs a boolean"),
-        ("expression: battery.present > 2", "E007", 7, 17, ""),
-        ("expression: motor.data > 2\n    requires: [battery]", "K003", 8, 5, "`requires`"),
-        ("expression: motor.data > 2\n    field: data", "K003", 8, 12, "`field:`"),
-        ("states: {High: motor.data > 2}", "K003", 7, 5, "give `from:`"),
-        ("event: hot", "K003", 7, 12, "no `expression_file:`"),
-        ("expression: MotorIsCool", "E008", 7, 17, "the input 'MotorIsCool' stands below"),
-        ("expression: >-\n      battery.present\n      AND batery.present", "E008", 9, 11, ""),
-    ],
-)
+@tabled
 def test_what_is_wrong_and_where(battery: str, code: str, line: int, col: int, words: str) -> None:
     monitor, problems = joined(config(battery))
     assert monitor is None
@@ -135,9 +98,9 @@ SAFETY = data_text("monitors/safety.events")
 
 
 def from_file(
-    folder: Path, keys: str, text: str = SAFETY, more: str = ""
+    folder: Path, keys: str, text: str | None = None, more: str = ""
 ) -> tuple[BoundMonitor | None, list[Problem]]:
-    (folder / "safety.events").write_text(text, encoding="utf-8")
+    (folder / "safety.events").write_text(text or SAFETY, encoding="utf-8")
     entry = f"expression_file: safety.events{keys}"
     return joined(config("expression: battery.present", entry, more), folder)
 
@@ -181,25 +144,8 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
 HOT = "EVENT hot (HAZARD) := "
 
 
-@pytest.mark.parametrize(
-    ("keys", "text", "where", "words"),
-    [
-        (["event: coll"], SAFETY, "c.yml:10:12 K020", "has no event 'coll'; did you mean 'cool'?"),
-        (["event: c"], f"{HOT}a.b > 1", "c.yml:10:12 K020", "has no event 'c'; events: hot"),
-        ([], SAFETY, "c.yml:9:22 K020", "`event:` must name an event of safety.events"),
-        (["event: elsewhere"], SAFETY, "safety.events:7:31 E008", "no simulator output 'no'"),
-        (["event: hot"], f"\n{HOT}temp > 5", "safety.events:2:23 E008", "output 'temp'"),
-        (["event: hot"], f"\n{HOT}motor.dta > 5", "safety.events:2:23 K020", "no field 'dta'"),
-        (["event: hot"], f"\n{HOT}motor.data >", "safety.events:2:35 E001", "end of the text"),
-        ([], "// a number\nmotor.data", "safety.events:2:1 E007", "the input needs a boolean"),
-        (["event: cool", "polarity: EVIDENCE"], SAFETY, "c.yml:11:15 K003", "declares HAZARD"),
-        (["event: hot", "expression: motor.data > 80"], SAFETY, "c.yml:9:22 K003", "`from:`"),
-        (["event: hot", "field: data"], SAFETY, "c.yml:11:12 K003", "`field:` and `expression_f"),
-    ],
-)
-def test_what_is_wrong_with_a_file_and_where(
-    keys: list[str], text: str, where: str, words: str, tmp_path: Path
-) -> None:
+@tabled
+def test_what_is_wrong_with_a_file_and_where(keys, text, where, words, tmp_path):
     monitor, problems = from_file(tmp_path, "".join(f"\n    {key}" for key in keys), text)
     assert monitor is None
     (found,) = [one for one in problems if one.level == "error"]
@@ -252,14 +198,7 @@ def test_elements_are_taken_by_their_keys_and_never_by_their_place() -> None:
     assert eddi_input.states["MotorIsCool"].reason == reason
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("expression: seen.output_nodes[0].outcomes[outcome_value=1].x > 1", "is a float32"),
-        ("expression: battery.cell_voltage[left] > 3", "has no list of names"),
-        ("requires: [battery]\n    field: cell_voltage[left]", "has no list of names"),
-    ],
-)
+@tabled
 def test_a_key_that_no_field_is_is_an_error(text: str, message: str) -> None:
     _, problems = joined(config(text, more=KEYED))
     (problem,) = [one for one in problems if one.code == "K020"]
@@ -289,32 +228,7 @@ def scan_of(*ranges: float, **more: Any) -> SimpleNamespace:
 INF, NAN = float("inf"), float("nan")
 
 
-@pytest.mark.parametrize(
-    ("expression", "ranges", "wanted"),
-    [
-        ("MIN(scan.ranges[*]) > 0.8 m", (1.0, 2.0, INF), True),
-        ("MIN(scan.ranges[*]) > 80 cm", (1.0, 0.5, INF), False),
-        ("MIN(scan.ranges[*]) > 0.8", (INF, INF), True),  # nothing within reach
-        ("MIN(scan.ranges[*]) > 0.8", (5.0, -INF), False),  # nearer than the sensor measures
-        ("MIN(scan.ranges[*]) > 0.8", (5.0, NAN), None),
-        ("MIN(scan.ranges[*]) > 0.8", (5.0, 31.0), None),  # beyond range_max: discarded
-        ("MIN(scan.ranges[*]) > 0.8", (5.0, 0.05), None),
-        ("MIN(scan.ranges[*]) > 0.8", (), None),  # an empty scan is not a free way
-        ("MIN(scan.ranges[*], COVERAGE 0.5) > 0.8", (5.0, NAN, 3.0), True),
-        ("MIN(scan.ranges[*], COVERAGE 0.7) > 0.8", (5.0, NAN, 3.0), None),
-        ("AVERAGE(scan.ranges[*]) > 0.8", (5.0, INF), None),
-        ("COUNT(KNOWN(scan.ranges[*])) >= 3", (5.0, INF, -INF, NAN), True),
-        ("MIN(scan.ranges[*], SECTOR -10 deg .. 10 deg) > 1", (0.5, 0.5, 5.0, 0.5, 0.5), True),
-        ("MIN(scan.ranges[*], SECTOR -30 deg .. 60 deg) > 1", (0.5, 0.5, 5.0, 0.5, 0.5), False),
-        ("MIN(scan.ranges[*], SECTOR -90 deg .. 30 deg) > 1", (5.0, 5.0, 5.0), None),
-        ("ANY(scan.ranges[*] < 1)", (NAN, 0.5), True),
-        ("ALL(scan.ranges[*] > 1)", (NAN, 0.5), False),
-        ("ALL(scan.ranges[*] > 1)", (NAN, 5.0), None),
-        ("MIN(scan.ranges[0..1]) > 1", (5.0, 5.0, 0.5), True),
-        ("MIN(scan.ranges[1..3]) > 1", (5.0, 5.0, 5.0), None),  # beyond the end
-        ("ONCE(MIN(scan.ranges[*]) < 1, 2s)", (0.5,), True),
-    ],
-)
+@tabled
 def test_scans(expression: str, ranges: tuple[float, ...], wanted: bool | None) -> None:
     monitor = sound(joined(config(f'expression: "{expression}"', more=SCAN)))
     assert step(bound(monitor), "BatteryIsFine", 0, {}, scan=scan_of(*ranges)) is wanted
@@ -334,22 +248,8 @@ def test_the_status_says_why_a_list_gives_nothing() -> None:
     assert step(eddi_input, "BatteryIsFine", 4, {}, scan=scan_of(5.0, 5.0, 5.0)) is True
 
 
-@pytest.mark.parametrize(
-    ("source", "expression", "fields", "wanted"),
-    [
-        ("Range", "x.range > 1", {"range": INF}, True),
-        ("Range", "x.range > 1", {"range": -INF}, False),
-        ("Range", "x.range > 1", {"range": 9.0}, None),
-        ("Imu", "x.angular_velocity.z < 1", {"covariance": 0.1}, True),
-        ("Imu", "x.angular_velocity.z < 1", {"covariance": -1.0}, None),
-        ("NavSatFix", "x.latitude > 1", {"status": 0}, True),
-        ("NavSatFix", "x.latitude > 1", {"status": -1}, None),
-        ("RelativeHumidity", "x.relative_humidity < 1", {"relative_humidity": -0.5}, None),
-    ],
-)
-def test_what_the_documentation_calls_no_measurement(
-    source: str, expression: str, fields: dict[str, Any], wanted: bool | None
-) -> None:
+@tabled
+def test_what_the_documentation_calls_no_measurement(source, expression, fields, wanted):
     more = f"  - {{id: x, type: sensor_msgs.{source}, topic: /x, max_age: 1}}\n"
     monitor = sound(joined(config(f'expression: "{expression}"', more=more)))
     message = SimpleNamespace(
@@ -364,16 +264,7 @@ def test_what_the_documentation_calls_no_measurement(
     assert step(bound(monitor), "BatteryIsFine", 0, {}, x=message) is wanted
 
 
-@pytest.mark.parametrize(
-    ("text", "code", "message"),
-    [
-        ("MIN(battery.cell_voltage[*], SECTOR -1 rad .. 1 rad) > 1", "K020", "'angle_min'"),
-        ("MIN(scan.ranges[*]) > 1 s", "E009", "m (length) and s (time) do not go together"),
-        ("MIN(scan.header[*]) > 1", "K020", "is not a list"),
-        ("scan.ranges > 1", "K020", "is a float[]"),
-        ("battery.location == 3", "E007", "a text and a number cannot be compared"),
-    ],
-)
+@tabled
 def test_lists_that_cannot_be(text: str, code: str, message: str) -> None:
     _, problems = joined(config(f'expression: "{text}"', more=SCAN))
     (problem,) = [one for one in problems if one.level == "error"]

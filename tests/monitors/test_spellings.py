@@ -9,7 +9,7 @@ import yaml
 from eddi_scaffold.packages import assembly
 from eddi_scaffold.platforms import chosen
 from tests.cli.command import run
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 
 DATA = Path(__file__).parents[1] / "data" / "users"
 SPELLINGS = yaml.load((DATA / "spellings.yml").read_text("utf-8"), yaml.CSafeLoader)["cases"]
@@ -62,28 +62,30 @@ def test_the_monitors_of_a_robot_stand_in_one_file(tmp_path):
     assert done.status == 0
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"cart", "fleet"}
     words = ("-o", "one", "--platform", "plain", "-c", "robot.yml", "--name", "fleet")
-    assert run("generate", *words, cwd=tmp_path).status == 0
+    done = run("generate", *words, cwd=tmp_path)
+    assert (done.status, done.err.count("[")) == (0, 0)  # its publisher is in the same file
     assert [path.name for path in (tmp_path / "one").iterdir()] == ["fleet"]
     assert "fleet" in run("generate", *words[:-1], "flet", cwd=tmp_path).err
 
 
-@pytest.mark.parametrize(
-    ("change", "place", "says"),
-    [
-        (("cart.MayDrive", "cart.MayDriv"), "11:27", "did you mean 'MayDrive'?"),
-        (("from: cart.MayDrive", "from: cart"), "11:27", "such as cart.CLAIM"),
-        (("from: cart.MayDrive", "from: crt.MayDrive"), "11:27", "'crt'"),
-        (("from: cart.MayDrive", "from: cart.MayDrive, field: data"), "11:27", "keep `from:`"),
-        (("from: cart.MayDrive", "from: [cart]"), "11:27", "MONITOR.CLAIM"),
-        (("0.5 s", "0.5 h"), "7:54", "seconds above 0"),
-        (("id: battery", "id: cart"), "11:27", "give one of them another id"),
-        (
-            ("---\nModel: {id: cart", "EDDIInputs: []\n---\nModel: {id: cart"),
-            "4:1",
-            "first document",
-        ),
-    ],
-)
+def test_one_of_several_is_shown_by_the_name_of_its_document(tmp_path):
+    (tmp_path / "near.events").write_text("VAR near : NUMBER\nEVENT Clear (EVIDENCE) := near > 1\n")
+    checked(
+        tmp_path,
+        ("id: cart, ", "id: wagon, "),
+        ("cart.MayDrive", "wagon.MayDrive"),
+        ("topic: battery}", "topic: battery}\n  - {id: scan, type: std_msgs/Float32, topic: scan}"),
+    )
+    with (tmp_path / "robot.yml").open("a") as robot:
+        robot.write("---\nModel: {id: lidar, type: Event, model: near.events}\n")
+        robot.write("EDDIInputs: [{id: near, from: scan, max_age: 1 s}]\n")
+    for command, name in (("show", "lidar"), ("show", "wagon"), ("diagram", "wagon")):
+        done = run(command, "robot.yml", "--name", name, cwd=tmp_path)
+        assert (done.status, done.err) == (0, "")  # `near` has an age: no question of a TIMEOUT
+    assert run("show", "near.events", cwd=tmp_path).err.count("W003") == 1
+
+
+@tabled
 def test_what_is_wrong_stands_at_its_place(change, place, says, tmp_path):
     done = checked(tmp_path, change)
     assert done.status == 1

@@ -39,7 +39,6 @@ def test_damaged_answers_are_bad_input(name: str) -> None:
 
 def test_they_stop_commands_that_do_not_make_the_package_anew(tmp_path: Path) -> None:
     folder = example(tmp_path)
-    (folder / "ws/src").mkdir(parents=True)
     configs = ("consert_a_config.yml", "-c", "consert_b_config.yml")
     assert run(*GENERATE, *configs, cwd=folder).status == 0
     file = folder / ANSWERS

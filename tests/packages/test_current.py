@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -24,7 +23,7 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Template:
     return Template(str(checkout(tmp_path_factory.mktemp("templates") / "ours", "v9").path), "HEAD")
 
 
-def write(template: Template, root: Path) -> list[str]:
+def write(template: Template, folder: Path) -> list[str]:
     """Generate a workspace; returns what was rendered."""
     rendered: list[str] = []
     render = Renderer.render
@@ -38,27 +37,22 @@ def write(template: Template, root: Path) -> list[str]:
     monitors, problems = monitors_of(*files)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Renderer, "render", counted)
-        write_packages(root, assemble(monitors, ros1, root, problems).packages, template)
+        write_packages(folder, assemble(monitors, ros1, folder, problems).packages, template)
     return sorted(rendered)
 
 
 @pytest.fixture(scope="module")
 def generated(template: Template, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    root = tmp_path_factory.mktemp("made") / "ws"
-    assert len(write(template, root)) == 5
-    return root
+    folder = tmp_path_factory.mktemp("made") / "ws"
+    assert len(write(template, folder)) == 5
+    return folder
 
 
-@pytest.fixture
-def root(generated: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(generated, tmp_path / "ws"))
-
-
-def test_nothing_is_rendered_twice(template: Template, root: Path) -> None:
-    edit(root / "conserta/src/conserta/EDDIInput.py", "= RtE_E0.data", "= RtE_E0.data and True")
-    before = tree(root)
-    assert write(template, root) == []
-    assert tree(root) == before
+def test_nothing_is_rendered_twice(template: Template, folder: Path) -> None:
+    edit(folder / "conserta/src/conserta/EDDIInput.py", "= RtE_E0.data", "= RtE_E0.data and True")
+    before = tree(folder)
+    assert write(template, folder) == []
+    assert tree(folder) == before
 
 
 CHANGES: dict[str, Callable[[Path], object]] = {
@@ -73,20 +67,20 @@ CHANGES: dict[str, Callable[[Path], object]] = {
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_what_differs_is_put_right(
-    template: Template, root: Path, change: Callable[[Path], object]
+    template: Template, folder: Path, change: Callable[[Path], object]
 ) -> None:
-    package = root / "conserta"
+    package = folder / "conserta"
     before = tree(package, "kept")
     change(package)
-    assert write(template, root) == ["conserta"]
+    assert write(template, folder) == ["conserta"]
     assert tree(package, "kept") == before
 
 
 def test_a_package_without_its_answers_is_not_taken_for_a_strangers(
-    template: Template, root: Path
+    template: Template, folder: Path
 ) -> None:
-    (root / "conserta" / ".copier-answers.yml").unlink()
+    (folder / "conserta" / ".copier-answers.yml").unlink()
     with pytest.raises(EddiError) as refused:
-        write(template, root)
+        write(template, folder)
     (problem,) = refused.value.problems
     assert (problem.code, "checkout -- .copier-answers.yml" in str(problem.hint)) == ("H012", True)

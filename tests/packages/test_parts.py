@@ -11,7 +11,7 @@ from typing import Any
 import jinja2
 import pytest
 
-from eddi_scaffold.program.runtime_parts import PARTS, with_needed
+from eddi_scaffold.program.runtime_parts import PARTS, requirements_of, with_needed
 from eddi_scaffold.regions.check import list_regions
 from tests.cli.command import run
 
@@ -88,15 +88,28 @@ def test_the_templates_know_the_same_parts() -> None:
     assert all((RUNTIME / f"{part}.py").is_file() for part in PARTS if "/" in part)
 
 
+def files_of(part: str) -> Iterator[Path]:
+    """Yield the modules of a part, without those that are a part of their own."""
+    place = RUNTIME / part
+    for file in place.glob("*.py") if place.is_dir() else [place.with_suffix(".py")]:
+        if file.relative_to(RUNTIME).with_suffix("").as_posix() not in {*PARTS} - {part}:
+            yield file
+
+
 @pytest.mark.parametrize("part", PARTS)
 def test_a_part_imports_no_other_than_it_says(part: str) -> None:
-    place, absent = RUNTIME / part, set(PARTS) - set(with_needed([part]))
-    for file in place.glob("*.py") if place.is_dir() else [place.with_suffix(".py")]:
-        if file.relative_to(RUNTIME).with_suffix("").as_posix() in absent:
-            continue
+    absent = set(PARTS) - set(with_needed([part]))
+    for file in files_of(part):
         for module in imported(ast.parse(file.read_text("utf-8")), file):
             name = module.relative_to(RUNTIME).as_posix()
             assert not [one for one in absent if f"{name}/".startswith(f"{one}/")], (file, name)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_numpy_is_required_where_a_part_imports_it(part: str) -> None:
+    parts = with_needed([part])
+    texts = [file.read_text("utf-8") for part in parts for file in files_of(part)]
+    assert bool(requirements_of(parts)) == any("import numpy" in text for text in texts)
 
 
 def imported(tree: ast.AST, file: Path) -> Iterator[Path]:

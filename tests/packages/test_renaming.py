@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.renaming import Renames
+from tests.checkouts import git
 from tests.cli.command import edit, example, files_below, run
 from tests.diagnosed import assert_reported
-from tests.updates.templates import git
 
 pytestmark = pytest.mark.slow
 
@@ -24,10 +23,9 @@ HAND = "self.RtE_A_E0 = self.RtE_A_E0  # written by hand\n"
 
 
 @pytest.fixture(scope="module")
-def renamed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A workspace with two monitors, hand edits and own files, whose first model has a new name."""
     folder = example(tmp_path_factory.mktemp("made"))
-    (folder / "ws/src").mkdir(parents=True)
     assert run("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG_B, cwd=folder).status == 0
     assert run(*GENERATE, cwd=folder).status == 0
     place = folder / OLD / "src/conserta/EDDIInput.py"
@@ -41,11 +39,6 @@ def renamed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in (MODEL, CONFIG_A):
         edit(folder / name, "ConSertA", "Rover")
     return folder
-
-
-@pytest.fixture
-def folder(renamed: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(renamed, tmp_path / "clone"))
 
 
 def test_the_same_topic_of_two_packages_is_told(folder: Path) -> None:
@@ -178,6 +171,5 @@ def test_a_repository_is_not_moved(folder: Path) -> None:
 def commit(folder: Path) -> Path:
     git(folder, "init", "-q")
     git(folder, "add", "-A")
-    name = ("-c", "user.name=T", "-c", "user.email=t@example.org")
-    git(folder, *name, "commit", "-qm", "work")
+    git(folder, "commit", "-qm", "work")
     return folder

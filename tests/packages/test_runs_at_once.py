@@ -32,16 +32,10 @@ MINE = "# written while the command was running\n"
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A workspace that a newer configuration has not reached yet."""
     folder = example(tmp_path_factory.mktemp("made"))
-    (folder / "ws/src").mkdir(parents=True)
     assert run(*GENERATE, cwd=folder).status == 0
     config = folder / CONFIG_B
     config.write_text(config.read_text().replace("std_msgs.Bool", "std_msgs.Int8"))
     return folder
-
-
-@pytest.fixture
-def folder(generated: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(generated, tmp_path / "clone"))
 
 
 def run_while(person: Callable[[], object], *words: str, cwd: Path) -> Result:
@@ -129,7 +123,6 @@ def test_a_second_run_is_refused_but_not_a_look(folder: Path) -> None:
 
 def test_two_monitors_at_once_are_both_launched_or_one_is_refused(tmp_path: Path) -> None:
     example(tmp_path)
-    (tmp_path / "ws/src").mkdir(parents=True)
     commands = [("generate", "-w", "ws", "-m", MODEL, "-c", c) for c in (CONFIG_A, CONFIG_B)]
     runs = [scaffold(*words, cwd=tmp_path) for words in commands]
     said = [process.communicate()[1] for process in runs]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -32,11 +31,6 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     answers.write_text(re.sub(r"(?m)^generator_version: .*$", "generator_version: 9.0.0", text))
     assert answers.read_text() != text
     return folder
-
-
-@pytest.fixture
-def folder(generated: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(generated, tmp_path / "clone"))
 
 
 @pytest.mark.parametrize(

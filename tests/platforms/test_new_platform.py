@@ -52,7 +52,7 @@ def with_the_toy(path: Path) -> Checkout:
 
 def test_it_lives_beside_ros1_as_the_others_do(tmp_path: Path) -> None:
     clone = with_the_toy(tmp_path / "eddi-scaffold")
-    (example(tmp_path) / "ws" / "src").mkdir(parents=True)
+    example(tmp_path)
     model = ("-m", "two_conserts.xml")
     config_a, config_b = (("-c", f"consert_{letter}_config.yml") for letter in "ab")
     amiga = (*model, *config_b, "--platform", "amiga_500")

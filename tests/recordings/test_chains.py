@@ -15,6 +15,7 @@ from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
 from eddi_scaffold.recordings.node import Publications, blank
 from eddi_scaffold.recordings.playing import PlayedMonitor, of_messages, play, step_rule
+from tests.checkouts import HERE
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
 CASES = {
@@ -94,3 +95,45 @@ def _values(monitor: BoundMonitor, part: PlayedMonitor, output: Any) -> Iterator
 
 def _not(truth: bool | None) -> bool | None:
     return None if truth is None else not truth
+
+
+def test_sentences_of_the_warehouse_robot() -> None:
+    """What the table of situations says, where a recording can show it."""
+    folder = HERE / "examples" / "warehouse-robot"
+    monitors, _ = monitors_of(None, sorted(folder.glob("*_config.yml")))
+    lines = (folder / "reference_sample.csv").read_text("utf-8").splitlines()
+    frames = [line.replace(",", " ") for line in lines if line[:1] != "#"]
+    rows = ["t,/lidar/nearest,/localisation/match,/wheels/slip,/battery/level,/drives/available"]
+    rows[0] += ",/camera/features"
+    for k in range(200):
+        nearest = 1.2 if 80 <= k < 90 else 5.0
+        cells = [
+            nearest if k < 140 else "",
+            0.9 if k < 50 or k >= 60 else "",
+            0.01,
+            90.0 if k < 161 else "",
+            4,
+            frames[k * 7 % len(frames)],
+        ]
+        rows.append(",".join(map(str, [k / 10, *cells])))
+    parts = of_messages(monitors, [step_rule(one) for one in monitors])
+    told = {
+        round(frame.t, 1): part.running.why()["FullSpeed"].sentence
+        for part, frame in play(parts, _tape("\n".join(rows), monitors))
+        if part.name == "warehouse"
+    }
+    match, lidar = "Localised <- PoseIsGood <- matched <- /localisation/match", "/lidar/nearest"
+    assert told[1.0] == "FullSpeed <- PeopleAreSeen <- in_scope: window has 11 of 30 samples"
+    assert told[4.0] == ""
+    late = f"{match}: nothing for 0.6 s, limit 0.5 s (Lost=Yes 0.001 .. 0.2, limit 0.1)"
+    assert told[5.5] == f"FullSpeed <- {late}"
+    assert told[8.6] == "FullSpeed <- PathClear: false for 0.6 s (nearest 1.2 m)"
+    assert (
+        told[14.6]
+        == f"FullSpeed <- PathClear <- nearest <- {lidar}: nothing for 0.7 s, limit 0.3 s"
+    )
+    power = "PowerHolds <- LastsTheShift <- battery_level <- /battery/level"
+    assert told[19.9] == (
+        f"FullSpeed <- PathClear <- nearest <- {lidar}: nothing for 6.0 s, limit 0.3 s; "
+        f"{power}: nothing for 3.9 s, limit 2 s (p_fail 2.1e-9 .. 1, limit 1.0e-4)"
+    )

@@ -7,7 +7,9 @@ import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from tests.cli.command import EXAMPLE, ROOT, example, files_below, run
+from tests.data_files import tabled
 from tests.diagnosed import assert_reported
+from tests.rows import changes
 
 SOURCES = ("two_conserts.xml", "-c", "consert_a_config.yml")
 BODY = "self.RtE_A_E0 = RtE_E0.data"
@@ -35,8 +37,7 @@ def write(package: Path, old: str, new: str, name: str = "EDDIInput.py") -> None
 
 
 def states(out: str) -> list[str]:
-    verdicts = {"active": "1", "inactive": "0"}
-    return ["".join(verdicts.get(word, "") for word in line.split()) for line in out.splitlines()]
+    return [state for _, state in changes(out)]
 
 
 def test_an_untouched_package_says_what_its_configuration_says(folder: Path, package: Path) -> None:
@@ -118,19 +119,8 @@ def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     assert first.endswith("status partial")  # a person observes one of both nodes
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (("class EDDIInput(", "import no_such_module\nclass EDDIInput("), "no_such_module"),
-        (
-            ("super().__init__(Monitor.inputs)", "raise RuntimeError('broken')"),
-            "RuntimeError: broken",
-        ),
-    ],
-)
-def test_code_that_cannot_be_loaded(
-    folder: Path, package: Path, change: tuple[str, str], words: str
-) -> None:
+@tabled
+def test_code_that_cannot_be_loaded(change, words, folder, package):
     write(package, *change)
     result = run("run", package, "--inputs", "recording.csv", cwd=folder)
     assert (result.status, result.out) == (2, "")

@@ -10,6 +10,7 @@ from eddi_scaffold.recordings.node import GivenInput, ReplayedNode
 from eddi_scaffold.recordings.playing import ROWS, PlayedMonitor
 from eddi_scaffold.recordings.playing import play as played
 from runtime_lib.tests.conserts import active, monitor
+from tests.data_files import tabled
 
 TYPES = {"e": "bool", "speed": "float", "front left": "str", "n": "int"}
 
@@ -45,51 +46,13 @@ def test_cells_by_type():
     assert fourth == (2.0, {})
 
 
-@pytest.mark.parametrize(
-    ("text", "wanted"),
-    [
-        ("", ["1:1: I001 the file is empty: a header line with a column t is missing"]),
-        ("\n e \n", ["2:1: I001 the header has no column t (time in seconds)"]),
-        ("Time,e\n0,1\n", ["1:1: I001 the header has no column t (time in seconds)"]),
-        ("t;e\n0;1\n", ["1:2: I001 cells are separated by semicolons, commas are expected"]),
-        ("t\te\n0\t1\n", ["1:2: I001 cells are separated by tabs, commas are expected"]),
-        (b"t,e\n0,\xff\n", ["2:3: I001 the file is not UTF-8 text"]),
-        ("t,e,e\n", ["1:5: I001 the column 'e' is repeated"]),
-        ("t,e,t\n", ["1:5: I001 the column 't' is repeated"]),
-        ("t,e, Speed\n", ["1:6: I003 no input has the id 'Speed'"]),
-        ("t,\n", ["1:3: I003 no input has the id ''"]),
-        ("t,e\n0\n", ["2:1: I001 1 cells, but the header has 2 columns"]),
-        ("t,e\n0,1,\n", ["2:1: I001 3 cells, but the header has 2 columns"]),
-        (
-            "t,e,n\n0, yes,1.5\n",
-            [
-                "2:4: I006 cannot read 'yes': expected true, false, 1, 0, or nan for unknown",
-                "2:8: I006 cannot read '1.5': expected a whole number, or nan for unknown",
-            ],
-        ),
-        (
-            "t,speed\n0,1_0\n",
-            ["2:3: I006 cannot read '1_0': expected a number, or nan for unknown"],
-        ),
-        ("t,e\n,1\n", ["2:1: I001 the time '' is not a number of seconds"]),
-        ("t,e\ninf,1\n", ["2:1: I001 the time 'inf' is not a number of seconds"]),
-        ("t,e\nNaN,1\n", ["2:1: I001 the time 'NaN' is not a number of seconds"]),
-        ("t,e\n1e10,1\n", ["2:1: I001 the time 1e10 is out of range: at most 9e9 seconds"]),
-        ("t,e\n-1e300,1\n", ["2:1: I001 the time -1e300 is out of range: at most 9e9 seconds"]),
-        ("t,e\n\n", ["1:1: I001 there are no rows below the header: nothing can be played"]),
-        (
-            "t,e\n1,1\n1.0,1\n2,1\n0,1\n",
-            [
-                "3:1: I001 the time 1.0 is not after the previous one, 1",
-                "5:1: I001 the time 0 is not after the previous one, 2",
-            ],
-        ),
-        ('t,e\n0,"true\n', ["2:3: I001 this quoted cell is not closed properly"]),
-        ('t,e\n0,"1"x\n', ["2:3: I001 this quoted cell is not closed properly"]),
-    ],
-)
+@tabled
 def test_problems(text, wanted):
     assert found(text) == wanted
+
+
+def test_what_is_no_text():
+    assert found(b"t,e\n0,\xff\n") == ["2:3: I001 the file is not UTF-8 text"]
 
 
 def test_many_problems_are_cut():

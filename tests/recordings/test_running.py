@@ -1,35 +1,32 @@
 """``eddi-scaffold run``: the embedded way, on the example that the README shows."""
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from tests.cli import command
+from tests.cli.command import EXAMPLE, ROOT
+from tests.rows import changes
 
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).parents[2]
-EXAMPLE = ROOT / "examples" / "two-conserts"
 
-
-def run(*arguments: str, folder: Path = EXAMPLE) -> subprocess.CompletedProcess[str]:
-    done = command.run("run", *arguments, cwd=folder)
-    return subprocess.CompletedProcess(arguments, done.status, done.out, done.err)
+def run(*arguments: str, folder: Path = EXAMPLE) -> command.Result:
+    return command.run("run", *arguments, cwd=folder)
 
 
 def test_a_model_is_chosen_by_name_without_a_configuration(tmp_path: Path) -> None:
     recording = tmp_path / "b.csv"
     recording.write_text("t,RtE_A_E0\n0,\n1,true\n2,false\n")
     words = ("two_conserts.xml", "--name", "ConSertB", "--inputs", str(recording))
-    first = json.loads(run(*words, "--json").stdout.splitlines()[0])
+    first = json.loads(run(*words, "--json").out.splitlines()[0])
     assert first["inputs"] == {"RtE_A_E0": None}
     assert first["blocked"] == {"RtE_A_E0": ["System_A_G0_c2"]}
     done = run(*words)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == [
+    assert done.status == 0, done.err
+    assert done.out.splitlines() == [
         "     0.000  System_A_G0_c2 inactive  waits for RtE_A_E0",
         "     1.000  System_A_G0_c2 active",
         "     2.000  System_A_G0_c2 inactive",
@@ -41,7 +38,7 @@ def test_a_value_that_cannot_be_used_is_said_beside_the_input(tmp_path: Path) ->
     (tmp_path / "mode.events").write_text(text)
     (tmp_path / "r.csv").write_text("t,m\n0,AUTO\n1,MANUAL\n")
     done = run("mode.events", "--inputs", "r.csv", folder=tmp_path)
-    assert done.stdout.splitlines()[1].endswith("waits for m (expected AUTO, HAND, got 'MANUAL')")
+    assert done.out.splitlines()[1].endswith("waits for m (expected AUTO, HAND, got 'MANUAL')")
 
 
 SMALL = """
@@ -59,17 +56,17 @@ def test_a_configuration_that_names_its_model_is_enough(tmp_path: Path, words: l
     (tmp_path / "c.yml").write_text(f"{named}\nEDDIInputs: [{{id: ok, type: bool}}]\n")
     (tmp_path / "r.csv").write_text("t,ok\n0,true\n")
     done = run(*words, "--inputs", "r.csv", "--csv", folder=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[1].startswith("0.0,0.632")
+    assert done.status == 0, done.err
+    assert done.out.splitlines()[1].startswith("0.0,0.632")
 
 
 def test_what_was_missed_and_still_counts_is_told(tmp_path: Path) -> None:
     (tmp_path / "small.yml").write_text(SMALL.replace(", dead: not ok", ""))
     (tmp_path / "r.csv").write_text("t,ok\n0,true\n1,nan\n2,true\n3,true\n")
     done = run("small.yml", "--inputs", "r.csv", folder=tmp_path)
-    assert "leaves out the fail state dead" in done.stderr
+    assert "leaves out the fail state dead" in done.err
     end = "r: ok was missing 1 s after the start, and no input shows that it has not failed since"
-    assert done.stdout.splitlines()[-1].endswith(f"valid active    {end}")
+    assert done.out.splitlines()[-1].endswith(f"valid active    {end}")
 
 
 def test_evidence_of_probability_zero_says_so(tmp_path: Path) -> None:
@@ -80,11 +77,11 @@ def test_evidence_of_probability_zero_says_so(tmp_path: Path) -> None:
     )
     (tmp_path / "in.csv").write_text("t,A,B\n0,n,\n1,y,\n")
     result = run("n.xdsl", "--inputs", "in.csv", "--json", folder=tmp_path)
-    first, second = (json.loads(line) for line in result.stdout.splitlines())
+    first, second = (json.loads(line) for line in result.out.splitlines())
     inputs = {"A": "n", "B": None}
     assert first == {"t": 0.0, "inputs": inputs, "outputs": None, "status": "inconsistent"}
     assert second["outputs"][0]["output_nodes"][0]["title"] == "B"
-    words = run("n.xdsl", "--inputs", "in.csv", folder=tmp_path).stdout.splitlines()
+    words = run("n.xdsl", "--inputs", "in.csv", folder=tmp_path).out.splitlines()
     assert words[0].split("B unknown")[1].split() == ["status", "inconsistent"]
     assert words[1].endswith("B y  status partial")
 
@@ -103,14 +100,8 @@ def configured(folder: Path, old: str, new: str) -> None:
 def changes_of(folder: Path, *more: str) -> list[tuple[str, str]]:
     words = ("two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "r.csv")
     done = run(*words, *more, folder=folder)
-    assert done.returncode == 0, done.stderr
-    return [
-        (
-            line[:10].strip(),
-            "".join("01"[word == "active"] for word in line.split() if "active" in word),
-        )
-        for line in done.stdout.splitlines()
-    ]
+    assert done.status == 0, done.err
+    return changes(done.out)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +122,7 @@ def test_one_step_per_row_shows_no_outage(tmp_path: Path) -> None:
     configured(tmp_path, "", "")
     assert changes_of(tmp_path, "--steps", "rows") == [("0.000", "11")]
     words = ("two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "r.csv", "--json")
-    lines = run(*words, "--steps", "rows", folder=tmp_path).stdout.splitlines()
+    lines = run(*words, "--steps", "rows", folder=tmp_path).out.splitlines()
     assert [json.loads(line)["t"] for line in lines] == [0.0, 10.0]
 
 
@@ -139,9 +130,9 @@ def test_digits_alone_are_no_change() -> None:
     """p_fail of the drone rises in every step; a line is printed when something is decided."""
     words = ("drone.xml", "-c", "reliability_config.yml", "--inputs", "recording.csv")
     folder = ROOT / "examples" / "drone"
-    lines = run(*words, folder=folder).stdout.splitlines()
+    lines = run(*words, folder=folder).out.splitlines()
     assert [(line[:10].strip(), line.endswith("RtE_continue active")) for line in lines] == [
         ("0.000", False), ("1.000", True), ("7.000", False),
     ]  # fmt: skip
-    table = run(*words, "--csv", folder=folder).stdout.splitlines()
+    table = run(*words, "--csv", folder=folder).out.splitlines()
     assert len({line.split(",")[1] for line in table[1:]}) > 90

@@ -57,7 +57,7 @@ def test_any_source_that_dies_takes_full_speed_away(
     tmp_path: Path, script: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Silence of one topic, through a monitor of each kind, never leaves it active."""
-    recorded = list(script.recording())
+    recorded = [one for one in script.recording() if one[0] < 14.0]
     for topic in sorted({topic for _, topic, _, _ in recorded}):
         left = [one for one in recorded if one[1] != topic or one[0] < 5.0]
         monkeypatch.setattr(script, "recording", lambda left=left: iter(left))

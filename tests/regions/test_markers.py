@@ -22,9 +22,18 @@ from eddi_scaffold.regions.markers import (
     tail_of,
     with_tail,
 )
+from tests.data_files import data_text, tabled
 from tests.fuzz.damage import watched
 
 BEGIN, END = "'''-----Manual edit begin-----'''", "'''-----Manual edit end-----'''"
+
+
+METHODS = data_text("regions/methods.txt")
+
+
+def marked(text: str):
+    """Parse a text in which BEGIN and END stand for markers without an id."""
+    return parse(text.replace("BEGIN", BEGIN).replace("END", END))
 
 
 def one(text: str):
@@ -79,20 +88,7 @@ def test_xml_form_is_legal_xml() -> None:
     assert ET.fromstring(text).tag == "a"
 
 
-@pytest.mark.parametrize(
-    ("begin", "end"),
-    [
-        (BEGIN, END),
-        (
-            "'''----------Manual edit begin----------'''",
-            "'''----------Manual edit end----------'''",
-        ),
-        ('"""---Manual edit begin---"""', '"""---Manual edit end---"""'),
-        ("# ----- Manual edit begin -----", "# ----- Manual edit end -----"),
-        ("-----Manual edit begin-----", "-----Manual edit end-----"),
-        ("'-----Manual edit begin-----'   ", "'-----Manual edit end-----'\t"),
-    ],
-)
+@tabled
 def test_forms_without_id(begin: str, end: str) -> None:
     text = f"class C:\n    def f(self):\n        {begin}\n        x = 1\n        {end}\n"
     region = one(text)
@@ -109,66 +105,18 @@ def test_id_on_one_marker_is_enough() -> None:
     assert one(f"def f():\n  {BEGIN} # region: a:b\n  {END}\n").id == "a:b"
 
 
-@pytest.mark.parametrize(
-    ("text", "line", "word"),
-    [
-        (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}\n", 2, "is missing"),
-        (f"x\n{END}  # region: a\n", 2, "without begin"),
-        (f"x\n{BEGIN}  # region: a\n", 3, "is missing"),
-        (f"{BEGIN}  # region: a\n{END}\n{BEGIN}  # region: a\n{END}\n", 3, "second region 'a'"),
-        (f"x = 1; {BEGIN}  # region: a\n{END}\n", 1, "alone on its line"),
-        (f"{BEGIN}  # region: a\nx = 1  {END}\n", 2, "alone on its line"),
-        (f"{BEGIN}  # region: a\n{END}  # region: b\n", 2, "give both the same id"),
-        (f"{BEGIN}  # region: a of:xyz\n{END}  # region: a\n", 1, "put the generated line back"),
-        (f"{BEGIN}\n{END}\n", 1, "must be inside a function"),
-        ("<!-- Manual edit begin | region: a --><x/>\n", 1, "alone on its line"),
-    ],
-)
+@tabled
 def test_faults(text: str, line: int, word: str) -> None:
-    _, faults = parse(text)
+    _, faults = marked(text)
     assert any(f.line == line and word in f.reason for f in faults), faults
 
 
-METHODS = f"""class C:
-    def f(self):
-        {BEGIN}  # region: a
-        x = 1
-
-    @cached
-    def g(self):
-        {BEGIN}  # region: b
-        y = 1
-        {END}  # region: b
-    def h(self):
-        {BEGIN}
-        z = 1
-        {END}
-    def i(self):
-        {BEGIN}
-        z = 1
-        {END}
-"""
-
-
-@pytest.mark.parametrize(
-    ("text", "line", "words"),
-    [
-        (METHODS, 5, ("end marker of region 'a', which begins in line 3", "before line 5")),
-        (METHODS.replace("\n", "\r\n"), 5, ("region 'a'", "before line 5")),
-        (
-            METHODS.replace(f"{END}\n    def i", "\n    def i").replace(
-                "x = 1\n", f"x = 1\n        {END}\n"
-            ),
-            15,
-            ("end marker of the region, which begins in line 13", "before line 15"),
-        ),
-        (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}  # region: b\n", 2, ("'a'", "line 2")),
-    ],
-)
-def test_one_marker_that_is_missing_or_too_many_is_one_fault(
-    text: str, line: int, words: tuple[str, ...]
-) -> None:
-    (fault,) = parse(text)[1]
+@tabled
+def test_one_marker_that_is_missing_or_too_many_is_one_fault(changes, line, words):
+    text = METHODS
+    for old, new in changes:
+        text = text.replace(old, new)
+    (fault,) = marked(text)[1]
     assert fault.line == line
     assert all(word in fault.reason for word in words), fault
 

@@ -12,16 +12,10 @@ from hypothesis import strategies as st
 from eddi_scaffold.common.files import next_to
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.regions.package import is_relative
+from tests.data_files import tabled
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "", ".", "..", "/", "/etc/passwd", "../x", "a/..", "a/../b", "a//b", "a/", "./a", "a/./b",
-        "a\\..\\b", "a\nb", "a\0b", None, 3, ["a"], "//a",
-        ".git", ".git/hooks/pre-commit", "a/.GIT/config",
-    ],
-)  # fmt: skip
+@tabled
 def test_what_is_no_place_below_a_folder(name: object) -> None:
     assert not is_relative(name)
 

@@ -11,7 +11,7 @@ import pytest
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.connect.robot import read_robot
 from eddi_scaffold.connect.rossystem import Filters, Parsed, parse
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled
 
 SYSTEM = data_text("robot/robot.rossystem")
 MAST = data_text("robot/mast.rossystem")
@@ -55,22 +55,8 @@ def said(found: Parsed, code: str) -> list[str]:
 # what did not resolve
 
 
-@pytest.mark.parametrize(
-    ("file", "old", "new", "code", "lost"),
-    [
-        ("laser.ros1", "publishers:", "publihers:", "M006", ["scan"]),
-        ("laser.ros1", "artifacts:", "artifacts", "M001", ["scan"]),
-        ("laser.ros1", "sensor_msgs/msg/LaserScan", "LaserScan", "M012", ["scan"]),
-        ("robot.rossystem", '"laser.laser"', '"lasr.laser"', "M007", ["scan"]),
-        ("robot.rossystem", '"arm.driver"', '"arm.drver"', "M007", ["load"]),
-        ("robot.rossystem", "driver::ticks", "driver::tiks", "M009", ["ticks"]),
-        ("robot.rossystem", "    mast", "    mst", "M023", ["image"]),
-        ("mast.rossystem", "nodes:", "nods:", "M006", ["image"]),
-    ],
-)
-def test_what_did_not_resolve_this_time_stays(
-    robot: Path, file: str, old: str, new: str, code: str, lost: list[str]
-) -> None:
+@tabled
+def test_what_did_not_resolve_this_time_stays(file, old, new, code, lost, robot):
     whole = parsed(robot)
     assert ids(whole.after) == IDS
     edit(robot / file, old, new)
@@ -126,32 +112,6 @@ def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
 
 
 # filters
-
-
-@pytest.mark.parametrize(
-    ("filters", "message", "hint"),
-    [
-        (Filters(("/jonts",)), "no topic matches --only '/jonts'", "did you mean '/joints'?"),
-        (
-            Filters(components=("x",)),
-            "no component matches --component 'x'",
-            "there are: arm, camera, front",
-        ),
-        (
-            Filters(("/joints",), ("front",), no_infrastructure=True),
-            "no topic matches all filters",
-            None,
-        ),
-    ],
-)
-def test_a_filter_that_keeps_nothing_is_refused(
-    robot: Path, filters: Filters, message: str, hint: str | None
-) -> None:
-    edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
-    with pytest.raises(EddiError) as refused:
-        parsed(robot, filters=filters)
-    (problem,) = refused.value.problems
-    assert (problem.code, problem.message, problem.hint) == ("M022", message, hint)
 
 
 def test_what_a_filter_leaves_out_is_said_to_be_left_out(robot: Path) -> None:

@@ -18,8 +18,12 @@ from tests.fields import table
 from tests.interpreters import CACHE
 from tests.ros1.world import demand
 
-FLAGS = ("-DCMAKE_C_FLAGS=-O0", "-DCMAKE_CXX_FLAGS=-O0")
-"""Nobody waits for these messages."""
+FLAGS = (
+    "-DCMAKE_C_FLAGS=-O0",
+    "-DCMAKE_CXX_FLAGS=-O0",
+    f"-DCMAKE_PROJECT_INCLUDE={Path(__file__).with_name('without_cpp.cmake')}",
+)
+"""Nobody waits for these messages, and no test is written in C++."""
 _WHEELS = ROOT / "script" / "ros2_wheels.txt"
 _SOURCED = bool(os.environ.get("AMENT_PREFIX_PATH"))
 
@@ -95,10 +99,12 @@ class Release:
 
     def fields(self):
         """Build the messages of all types of fields, once on a machine; return the environment."""
-        text = Path(table.__file__).read_bytes() + _WHEELS.read_bytes()
-        of = hashlib.sha256(text).hexdigest()[:12]
+        files = (_WHEELS, *sorted(path for path in table.PACKAGE.rglob("*") if path.is_file()))
+        of = hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
         place = CACHE / f"fields-{self.name}-{of}"
-        return self._built(place, lambda: table.write_package(place / "src" / "field_msgs"))
+        return self._built(
+            place, lambda: shutil.copytree(table.PACKAGE, place / "src" / "field_msgs")
+        )
 
     def _built(self, place, write):
         """Build what a function writes, unless another worker, or run, has done so."""

@@ -26,27 +26,14 @@ def inputs_of(items: Sequence[object]) -> tuple[Input, ...]:
     return tuple(Input(**item) if isinstance(item, dict) else Input(str(item)) for item in items)
 
 
-_BOOL = "Binary:\n          type: Healthy\n"
-_FLOAT = (
-    "Numeric:\n          type: Clearance\n          covered:\n            - Inclusive:\n"
-    "                start: 1\n                end: 2\n"
-    "          subset: Guarantee\n          uom: m\n"
-)
-
-
 def write_inputs(folder: Path, inputs: Sequence[Input]) -> tuple[Path, Path]:
     """Write model and configuration; returns their paths."""
-    model = "guarantees:\n  - id: Drive\n    dimensions:\n"
-    model += "      - Binary:\n          type: Driving\n"
-    model += "demands: []\ngates: []\nrequired_services: []\nprovided_services: []\nevidence:\n"
-    config = "Model:\n  id: Rover\n  type: ConSert\nSimulatorOutputs:\n"
+    model, config = "evidence:\n", "Model:\n  id: Rover\n  type: ConSert\nSimulatorOutputs:\n"
     for item in inputs:
-        dimension = _FLOAT if item.type == "float" else _BOOL
-        model += f"  - id: {item.id}\n    dimension:\n      {dimension}"
+        model += f"  {item.id}: {'1 .. 2 m' if item.type == 'float' else 'bool'}\n"
         message = "std_msgs.Float64" if item.type == "float" else "std_msgs.Bool"
         config += f"  - {{id: {item.source}, type: {message}, topic: /{item.source.lower()}}}\n"
-    model += "tree_propagations:\n"
-    model += "".join(f"  - from: {item.id}\n    to: Drive\n" for item in inputs)
+    model += f"guarantees: {{Drive: {' AND '.join(item.id for item in inputs)}}}\n"
     config += "EDDIInputs:\n"
     for item in inputs:
         default = "" if item.type == "float" else ", default: false"

@@ -139,7 +139,6 @@ def test_every_region_keeps_its_text(
 def test_a_package_of_d72_is_adopted_and_generated(tmp_path: Path) -> None:
     example(tmp_path)
     assert run("export", "two_conserts.xml", "-o", "yml", cwd=tmp_path).status == 0
-    (tmp_path / "ws/src").mkdir(parents=True)
     write_old_ros_package(tmp_path / "old", (tmp_path / "yml/ConSertA.yml").read_text())
     assert run("adopt", "old", "-w", "ws", cwd=tmp_path).status == 3
     package = tmp_path / "ws/src/eddi_monitor/conserta"

@@ -1,6 +1,5 @@
 """A page that shows what a test lets two robots publish."""
 
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
@@ -10,6 +9,7 @@ from eddi_scaffold.watch.fleet import FleetState
 from eddi_scaffold.watch.following import seconds
 from eddi_scaffold.watch.messages import DIAGNOSTICS, DIAGNOSTICS_TOPIC, Message
 from eddi_scaffold.watch.page import Feed, View, open_server
+from tests.pages import served
 from tests.watch.recorded import ROBOT, warehouse
 
 
@@ -54,10 +54,6 @@ def diagnostics(t: float, node: str, **values: str) -> Message:
 def serving(fleet: Fleet, *, seconds: float = 20.0, connections: int = 32) -> Iterator[int]:
     models = pictures_of([ROBOT / "warehouse.yml"])
     limits = {"seconds": seconds, "connections": connections}
-    with open_server(0, fleet.feed, models, **limits) as server:
-        thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
-        thread.start()
-        yield server.server_port
+    with served(open_server(0, fleet.feed, models, **limits)) as port:
+        yield port
         fleet.feed.close()
-        server.shutdown()
-        thread.join()

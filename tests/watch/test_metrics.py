@@ -11,8 +11,8 @@ from prometheus_client.openmetrics.parser import text_string_to_metric_families
 from eddi_scaffold.watch.following import MAX_REASONS, samples_of
 from eddi_scaffold.watch.messages import Message
 from tests.cli.command import ROOT
+from tests.pages import ask
 from tests.watch.served import Fleet, diagnostics, serving
-from tests.watch.test_watch_page import ask
 
 FOLDER = ROOT / "examples" / "fleet-metrics"
 CONSERT = "eddi_messages/ConSertStatus"

@@ -13,8 +13,8 @@ import pytest
 
 from tests.cli.command import ROOT, run
 from tests.diagnosed import assert_reported
+from tests.pages import ask
 from tests.watch.recorded import ROBOT, bag_of_two
-from tests.watch.test_watch_page import ask
 
 pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
 

@@ -4,7 +4,6 @@ import http.client
 import json
 import xml.etree.ElementTree as ET
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -12,17 +11,9 @@ from eddi_scaffold.cli.watch import pictures_of
 from eddi_scaffold.diagrams import Diagram, DiagramNode
 from eddi_scaffold.watch.messages import Message
 from eddi_scaffold.watch.page import verdict_graph
+from tests.pages import ask
 from tests.watch.recorded import ROBOT
 from tests.watch.served import Fleet, diagnostics, serving
-
-
-def ask(port: int, path: str, method: str = "GET", **headers: str) -> tuple[int, Any, str]:
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
-    connection.request(method, path, headers=headers)
-    answer = connection.getresponse()
-    text = answer.read().decode()
-    connection.close()
-    return answer.status, answer.headers, text
 
 
 def event(stream: http.client.HTTPResponse) -> str:

@@ -85,6 +85,5 @@ KIND = Kind(
             ("BayesianNetworkMonitor",),
         ),
     ),
-    requirements=("numpy",),
 )
 """What the generator knows of Bayesian networks."""

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings, Use
+from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.problems import Problem, has_errors, in_order
@@ -32,6 +33,7 @@ from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 DEEPEST = 30
 """Levels that are printed; what lies deeper is counted as "..." (a line grows with its level)."""
+_LEVELS, _TERMS = 3, 10  # of the gates in an expression that is still read
 _GROUPS = (
     *("guarantees", "demands", "evidence", "gates"),
     *("tree_propagations", "required_services", "provided_services"),
@@ -155,12 +157,18 @@ class ConSertModel(Model):
         return [*map(_input_of, self.data.demands), *map(_input_of, self.data.evidence)]
 
     def readme(self) -> Sequence[str]:
-        by_class = self.options.guarantee_ids == "class"
-        return (
-            ["Ids of guarantees are published as SESAME D7.2 names its classes."]
-            if by_class
-            else ()
-        )
+        """Return the guarantees, each with its type and what it needs."""
+        gates = {gate.id: gate for gate in self.data.gates}
+        lines = ["| guarantee | type | active while |", "|---|---|---|"]
+        for guarantee in self.data.guarantees:
+            id_ = markdown_code(self.options.published(guarantee.id))
+            type_ = markdown_text("; ".join(dimension.text for dimension in guarantee.dimensions))
+            needs = _expression(guarantee.id, "AND", self.data.inputs, gates)
+            needs = "always" if guarantee.default else f"`{markdown_code(needs)}`"
+            lines.append(f"| `{id_}` | {type_} | {needs} |")
+        if self.options.guarantee_ids == "class":
+            lines += ["", "Ids of guarantees are published as SESAME D7.2 names its classes."]
+        return lines
 
     def companion_messages(self) -> Mapping[str, str]:
         return {"status": "ConSertStatus"}
@@ -280,6 +288,26 @@ def _tree(
             shown.add(id_)
             yield line
             waiting += [(level + 1, child) for child in reversed(children)]
+
+
+def _expression(
+    id_: str,
+    word: str,
+    inputs: Mapping[str, Sequence[str]],
+    gates: Mapping[str, model.Gate],
+    level: int = 0,
+) -> str:
+    """Return what a node needs; a gate that is too deep or wide to be read stands as its id."""
+    terms = []
+    for source in inputs[id_]:
+        gate = gates.get(source)
+        if gate is None or level == _LEVELS or len(inputs[source]) > _TERMS:
+            terms.append(source)
+        else:
+            own = word if len(inputs[source]) == 1 else gate.function.upper()
+            text = _expression(source, own, inputs, gates, level + 1)
+            terms.append(text if own == word else f"({text})")
+    return f" {word} ".join(terms)
 
 
 def _label(node: model.Node) -> str:

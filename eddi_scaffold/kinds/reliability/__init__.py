@@ -92,6 +92,5 @@ KIND = Kind(
     options=KEYS,
     without_input="p_fail is the worst case of it, and not valid",
     inputs_of_model=False,  # `observe` and `observed` of a configuration make inputs
-    requirements=("numpy",),
 )
 """What the generator knows of reliability."""

@@ -78,7 +78,6 @@ KIND = Kind(
     topic="scope",
     claim=ClaimField("SafeMLStatus", "{}", "/status"),
     in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.safeml"]',
-    requirements=("numpy",),
     named_by_config=True,
 )
 """What the generator knows of SafeML."""

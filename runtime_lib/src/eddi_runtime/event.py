@@ -137,12 +137,8 @@ class EventMonitor(Conditions, Monitor[Rows]):
             text = "true for {since}" if event.hazard else TEXTS["false"]
             return [Cause((), "false", text, since=self._lasting(began), detail=detail)]
         unknown = [k for k in event.needs if self._unusable(k)]
-        unknown.sort(key=lambda k: -self._known_for(self.inputs[k]))
-        causes = []
-        for k in unknown:
-            spec = self.inputs[k]
-            own = Cause((), "invalid", self._unusable(k))
-            causes += self._of_input(spec, UNKNOWN, self._known_for(spec), own)
+        faults = {self.inputs[k].id: self._unusable(k) for k in unknown}
+        causes = self._of_unknown([self.inputs[k] for k in unknown], faults)
         filled = self._known_for(*(self.inputs[k] for k in event.needs))
         since = min(filled, self._lasting(self.since), *([self._lasting(began)] if began else []))
         jumped = 0 if self._jumped is None else self._jumped - self.since
@@ -156,7 +152,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
         """Return why an input has no value that counts, empty where it has one."""
         raw, limits, unit = self.raw[k], self.limits[k], self._unit(k)
         if raw is None or is_nan(raw):
-            return "no value" if raw is None else "NaN"
+            return "no value"
         value = plain(raw)
         if limits is None or not isinstance(value, (int, float)) or not self._fault(k):
             return self._fault(k)

@@ -9,8 +9,8 @@ from types import ModuleType
 from typing import Any, Mapping, Protocol, Sequence, Tuple, TypeVar, Union
 
 from .inputs import EDDIInputBase, InputSpec, accepted, of_topic, step_time
-from .plain_values import one_line
-from .why import Cause, ClaimWhy, claim_why, why_tree
+from .plain_values import is_nan, one_line, read
+from .why import UNKNOWN, Cause, ClaimWhy, claim_why, why_tree
 
 __version__ = "1.0.0"
 """Of this runtime."""
@@ -169,6 +169,21 @@ class Monitor(Protocol[Output]):
             causes = source.why(spec, verdict, since, self.topics)
         causes = causes or [of_topic(spec, self.topics, own._replace(since=since))]
         return [cause.under(spec.id) for cause in causes]
+
+    def _of_unknown(
+        self, specs: Iterable[InputSpec], faults: Mapping[str, str], detail: str = ""
+    ) -> list[Cause]:
+        """Return why inputs are not known, first those that have long been so.
+
+        ``faults``: input id -> what is wrong with its value; ``detail``: for the brackets.
+        """
+        causes: list[Cause] = []
+        for spec in sorted(specs, key=lambda spec: -self._known_for(spec)):
+            nan = is_nan(read(self._source, spec.attribute, spec.id))
+            text = "NaN" if nan else faults.get(spec.id) or "no value"
+            since = self._known_for(spec)
+            causes += self._of_input(spec, UNKNOWN, since, Cause((), "invalid", text))
+        return [cause.because(cause.state, cause.text, detail) for cause in causes]
 
     def _known_for(self, *specs: InputSpec) -> float:
         """Return for how many seconds inputs have been known, or unknown, as they are."""

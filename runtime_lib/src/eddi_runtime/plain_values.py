@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from operator import attrgetter
+from types import SimpleNamespace
 from typing import Any, Iterable, Sequence, TypeVar, Union
 
 T = TypeVar("T")
@@ -100,6 +101,22 @@ def read(source: object, attribute: str, input_id: str) -> object:
         except Exception as problem:  # noqa: BLE001 - a property may raise anything
             return Absent(f"reading it raised {type_name(problem)}")
     return ABSENT
+
+
+def as_message(said: object) -> object:
+    """Return what ``message`` of a monitor gives as an object with its fields, else as it is."""
+    tree: Any = said[0] if type(said) is list and len(said) == 1 else said
+    if type(tree) is not tuple or len(tree) != 2 or type(tree[1]) is not dict:
+        return said
+    fields = tree[1].items()
+    return SimpleNamespace(
+        **{
+            name: [as_message(item) for item in value]
+            if type(value) is list
+            else as_message(value)
+            for name, value in fields
+        }
+    )
 
 
 UNTOLD = "unknown there"  # why an input is not known where another monitor does not know it

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import Any, Iterable, Mapping, NamedTuple, Sequence, Tuple
 
-from .plain_values import plain
+from .plain_values import as_message, plain
 
 FALSE, UNKNOWN, TRUE = 0, 1, 2
 _VALUES = ("false", "unknown", "true")
@@ -235,13 +235,13 @@ def _size(value: Any) -> int:
 def read_why(message: object) -> Why:
     """Return a message ``Why``, or what ``why()`` returned, as claims by id; never raises.
 
-    What is malformed is left out, and lengths are limited: another monitor is not to be trusted.
+    Another monitor is not to be trusted, and may have a runtime of its own, whose classes are not
+    these: lengths are limited, and what is malformed tells nothing.
     """
-    given: Any = message
     try:
-        if type(given) is dict:
-            return {id_: one for id_, one in given.items() if type(one) is ClaimWhy}
-        rows = [_read_claim(row) for row in _first(given.claims, 1024)]
+        given: Any = as_message(message)
+        claims = [*given.values()] if type(given) is dict else given.claims
+        rows = [_read_claim(row) for row in _first(claims, 1024)]
     except Exception:  # noqa: BLE001 - whatever a message does
         return {}
     return {row.id: row for row in rows}
@@ -261,8 +261,9 @@ def _read_cause(row: Any) -> Cause:
     numbers: Any = [plain(one) for one in (row.since, row.age, row.limit)]
     since, age, limit = map(float, numbers)
     links, names = tuple(map(_text, path)), tuple(map(_text, monitors))
-    topic, text = _text(row.topic), _text(row.text)
-    return Cause(links, STATES[state], text, topic, names, since, age, limit)
+    topic, text, detail = map(_text, (row.topic, row.text, getattr(row, "detail", "")))
+    state = STATES[state] if isinstance(state, int) else STATES[STATES.index(state)]
+    return Cause(links, state, text, topic, names, since, age, limit, detail)
 
 
 def _first(items: Any, most: int) -> Sequence[Any]:
@@ -300,14 +301,20 @@ def length(value: float) -> str:
     return f"{value:.12g} s" if math.isfinite(value) else "no limit"
 
 
-def shown(value: object, unit: str = "") -> str:
-    """Return a value as a sentence shows it: ``1.2 m``, ``true``, ``fog``; empty for no value."""
+def shown(value: object, unit: str = "", factor: Tuple[int, int] = (1, 1)) -> str:
+    """Return a value as a sentence shows it: ``1.2 m``, ``true``, ``fog``; empty for no value.
+
+    A number is in the unit once it has been multiplied by the factor.
+    """
     given = plain(value)
     if isinstance(given, bool):
         return str(given).lower()
     if isinstance(given, str) or given is None:
         return (given or "")[:60]
-    return f"{figure(given)} {unit}".rstrip()
+    try:
+        return f"{figure(given * factor[0] / factor[1])} {unit}".rstrip()
+    except OverflowError:
+        return "a number that is too large"
 
 
 def figure(value: float) -> str:

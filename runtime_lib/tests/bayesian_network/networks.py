@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from types import SimpleNamespace
 
@@ -13,20 +12,14 @@ from eddi_runtime.bayesian_network.memory import Remembering
 from eddi_runtime.bayesian_network.readers import Discretiser
 
 from eddi_scaffold.kinds.bayesian_network import inference_plan
-from eddi_scaffold.kinds.bayesian_network.compile import (
-    FORMAT,
-    MODULES,
-    compile_network,
-    monitor_lines,
-)
+from eddi_scaffold.kinds.bayesian_network.compile import FORMAT, MODULES, monitor_lines
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration as NodeDeclaration
 from eddi_scaffold.kinds.bayesian_network.discretisation import reader_of
 from eddi_scaffold.kinds.bayesian_network.inference_plan import Width
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node, NumberedNetwork, Shape
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Threshold
-from eddi_scaffold.program.input_expressions import BoundInput
-from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
-from runtime_lib.tests.bound_models import loaded, text_of
+from eddi_scaffold.program.monitor_text import CompiledMonitor
+from runtime_lib.tests.bound_models import bound_input, bound_model, loaded
 
 
 def node(name, states, parents=(), table=()):
@@ -51,23 +44,6 @@ GAP_BINS = {"input": "d", "bins": [2.0], "order": ["near", "far"]}
 BINS = {"Speed": SPEED_BINS, "Gap": GAP_BINS}
 
 
-@dataclass(frozen=True)
-class Model:
-    network: Network
-    options: NetworkOptions
-    declaration: Declaration
-
-    def compiled(self):
-        return compile_network(self.network, self.options, self.declaration)
-
-    def text(self):
-        return text_of("bayesian_network", self.compiled(), self.declaration)
-
-    def monitor(self, hooks=None):
-        made = loaded("bayesian_network", self.compiled(), self.declaration).Monitor
-        return made() if hooks is None else made(hooks)
-
-
 def model(
     nodes=NODES,
     outputs=("Danger",),
@@ -82,7 +58,7 @@ def model(
     network = Network("net", tuple(nodes))
     declarations, direct = declared(bins or {}, network), dict(direct or {})
     names = dict.fromkeys([*(one.input for one in declarations), *direct.values()])
-    inputs = (BoundInput(one, **{"attribute": one, **(specs or {}).get(one, {})}) for one in names)
+    inputs = [bound_input(one, **(specs or {}).get(one, {})) for one in names]
     fed = {*direct, *(one.node for one in declarations)}
     options = NetworkOptions(
         tuple(outputs),
@@ -96,7 +72,7 @@ def model(
         thresholds=tuple(thresholds),
         **more,
     )
-    return Model(network, options, Declaration("net", "", tuple(inputs)))
+    return bound_model("bayesian_network", "net", network, options, inputs)
 
 
 def declared(bins, network):
@@ -119,7 +95,8 @@ def threshold(name="Low", node="Risk", states=("High",), hold_s=0.0, release=Non
 
 
 def monitor(*args, hooks=None, **kwargs):
-    return model(*args, **kwargs).monitor(hooks)
+    made = model(*args, **kwargs).module().Monitor
+    return made() if hooks is None else made(hooks)
 
 
 def model_of(net, outputs, observed=()):
@@ -137,7 +114,7 @@ def compiled(net, outputs, observable, **options):
     """Return a compiled network by itself: inference for some outputs and observable nodes."""
     program = inference_plan.foreseen(net, outputs, observable, **options)
     made = model_of(net, program.outputs)
-    lines = monitor_lines(made.network, made.options, made.declaration, program)
+    lines = monitor_lines(made.model.data, made.model.options, made.declaration, program)
     parts = CompiledMonitor(FORMAT, lines, MODULES)
     return loaded("bayesian_network", parts, made.declaration).Monitor()
 

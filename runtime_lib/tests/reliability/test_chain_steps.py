@@ -10,17 +10,15 @@ from eddi_runtime.reliability.component import Moment
 from eddi_runtime.reliability.large_chain import propagator
 
 from eddi_scaffold.kinds.reliability import chains
-from runtime_lib.tests.reliability.reliability_models import chain, compiled, monitor
+from eddi_scaffold.kinds.reliability.lowering import Heat
+from runtime_lib.tests.reliability.reliability_models import battery, chain, compiled, monitor
 from runtime_lib.tests.reliability.test_reliability_monitor import step
 
 QUANTUM = 0.1 / 3600.0
 
 
 def model_of(spec, observe, horizon):
-    part = chain(
-        [list(arc) for arc in spec.arcs], len(spec.states), list(spec.fail),
-        observe=[list(one) for one in observe],
-    )  # fmt: skip
+    part = chain(spec.arcs, len(spec.states), spec.fail, observe)
     return monitor([part], {name for _, name, _ in observe}, horizon=horizon).components["chain"]
 
 
@@ -118,10 +116,9 @@ def test_sums_that_are_written_out_equal_products_of_matrices(moving):
     for seed in range(20):
         spec = random_chain(seed, chance.randint(2, 8))
         last = len(spec.states) - 1
-        part = chain(
-            [list(arc) for arc in spec.arcs], last + 1, [last], age=chance.choice((0.0, 3.0)),
-            observe=[[0, "new", False], [last, "ok", True]], repair=seed % 2 == 0,
-        )  # fmt: skip
+        observe = [(0, "new", False), (last, "ok", True)]
+        age, repair = chance.choice((0.0, 3.0)), seed % 2 == 0
+        part = chain(spec.arcs, last + 1, [last], observe, age, repair=repair)
         inputs = ["new", "ok", *(["mission_end"] if moving else [])]
         model = {"horizon": 2.0, "mission_end": moving}
         one, other = monitor([part], inputs, **model), compiled([part], inputs, **model).Monitor()
@@ -151,11 +148,7 @@ def test_as_many_observations_as_there_may_be_are_kept():
             assert found.high == pytest.approx(other.look(1, mask)[0], rel=1e-9, abs=0.0)
 
 
-COLD = {
-    "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
-    "degradation": 6.4e-3, "level": "level", "repair": False,
-}  # fmt: skip
-WARM = {**COLD, "t_ref": 25.0, "t_max": 60.0, "activation_energy": 0.5, "temperature": "t"}
+COLD, WARM = battery(1e-3), battery(1e-3, Heat("t", 0.5, 25.0, 60.0))
 
 
 def factor(celsius):
@@ -163,7 +156,7 @@ def factor(celsius):
 
 
 def p_fail(part, horizon=1.0, **values):
-    inputs = ["level", "t"] if "temperature" in part else ["level"]
+    inputs = ["level", "t"] if part.content.heat else ["level"]
     return step(monitor([part], inputs, horizon=horizon), **values)
 
 
@@ -171,7 +164,7 @@ def p_fail(part, horizon=1.0, **values):
 @pytest.mark.parametrize("celsius", [-20.0, 25.0, 45.0, 60.0, 75.0])
 def test_heat_makes_time_pass_faster(level, celsius):
     for horizon in (0.01, 1.0, 100.0):
-        warm = p_fail({**WARM, "t_max": 80.0}, horizon, level=level, t=celsius)
+        warm = p_fail(WARM.but(heat=Heat("t", 0.5, 25.0, 80.0)), horizon, level=level, t=celsius)
         cold = p_fail(COLD, horizon * factor(celsius), level=level)
         assert warm.valid
         assert warm.p_fail == pytest.approx(cold.p_fail, rel=1e-12, abs=0.0)
@@ -195,7 +188,7 @@ def test_an_unknown_temperature_counts_as_the_hottest():
 
 
 def test_no_temperature_stops_a_step():
-    hot = {**WARM, "t_ref": -200.0, "t_max": -200.0, "activation_energy": 10.0}
+    hot = WARM.but(heat=Heat("t", 10.0, -200.0, -200.0))
     result = p_fail(hot, level=80, t=999.0)
     assert result.p_fail == 1.0
     assert p_fail(hot, level=80, t=-200.0).p_fail < 0.01

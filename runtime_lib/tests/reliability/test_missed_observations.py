@@ -10,12 +10,9 @@ import random
 import numpy as np
 import pytest
 
-from runtime_lib.tests.reliability.reliability_models import (
-    chain,
-    event,
-    monitor,
-    tree,
-)
+from eddi_scaffold.kinds.reliability.fault_tree import Gate
+from eddi_scaffold.kinds.reliability.lowering import Series
+from runtime_lib.tests.reliability.reliability_models import Part, chain, event, monitor, tree
 from runtime_lib.tests.reliability.test_reliability_monitor import step
 from runtime_lib.tests.reliability.test_unknown_inputs import KINDS, LEVELS, PARTS
 
@@ -24,18 +21,15 @@ GOAL, LONG_GOAL = 1_000, 50_000
 MOST = 16
 TRUTHS = (True, False)
 SLACK = 1.0 + 1e-9
-LAST = event("model", model="chain")
+LAST, FIXED = event("model", model="chain"), event("fixed", 0.3)
 TOPS = {
     "alone": [],
-    "NOT": [tree([LAST], [{"type": "NOT", "of": [0]}])],
-    "XOR": [tree([LAST, event("fixed", 0.3)], [{"type": "XOR", "of": [0, 1]}])],
+    "NOT": [tree([LAST], [Gate("NOT", (0,))])],
+    "XOR": [tree([LAST, FIXED], [Gate("XOR", (0, 1))])],
     "2 of 3": [
-        tree(
-            [LAST, event("exponential", 0.1, input="x"), event("fixed", 0.3)],
-            [{"type": "VOTE", "of": [0, 1, 2], "k": 2}],
-        )
+        tree([LAST, event("exponential", 0.1, input="x"), FIXED], [Gate("VOTE", (0, 1, 2), 2)])
     ],
-    "series": [PARTS[0], {"name": "all", "type": "series", "of": ["chain", "battery"]}],
+    "series": [PARTS[0], Part("all", Series(("chain", "battery")))],
 }
 FEW, MANY = "abc", "abcdefghijklm"
 INPUTS = {"2 of 3": {"x": TRUTHS}, "series": {"level": (90.0,), "t": (25.0, 60.0)}}
@@ -58,17 +52,17 @@ def random_chain(chance, names=FEW, idle=0):
     observe = [[state, chance.choice(names), chance.random() < 0.5] for state in seen]
     whole = range(states, states + idle)
     observe += [[state, "a", negated] for state in whole for negated in TRUTHS]
-    more = {"observe": observe, "repair": chance.random() < 0.3}
-    return chain(arcs, states + idle, fail, **more)
+    return chain(arcs, states + idle, fail, observe, repair=chance.random() < 0.3)
 
 
 def life(chance, part, ranges, length):
     """Return values of the inputs in each step, mostly such as a life of the chain may give."""
-    arcs = [(a, b) for a, b, _ in part["arcs"] if a not in part["fail"]]
+    of = part.content.chain
+    arcs = [(a, b) for a, b, _ in of.arcs if a not in of.fail]
     state, told = 0, []
     for _ in range(length):
         values = {name: chance.choice(several) for name, several in ranges.items()}
-        for at, name, negated in part["observe"]:
+        for at, name, negated in part.content.observe:
             if at == state and chance.random() < 0.95:
                 values[name] = not negated
         told.append(values)

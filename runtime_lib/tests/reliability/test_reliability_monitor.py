@@ -6,9 +6,13 @@ from types import SimpleNamespace
 
 import pytest
 
+from eddi_scaffold.kinds.reliability.fault_tree import Gate
+from eddi_scaffold.kinds.reliability.lowering import Heat, KOutOfN, Processor, Series
 from eddi_scaffold.kinds.reliability.trial import look_ahead
 from runtime_lib.tests.reliability.reliability_models import (
     NS,
+    Part,
+    battery,
     chain,
     compiled,
     event,
@@ -18,15 +22,9 @@ from runtime_lib.tests.reliability.reliability_models import (
 )
 
 WORKING = {f"m{i}": True for i in range(4)}
-BATTERY = {
-    "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
-    "degradation": 6.4e-3, "level": "level", "repair": False,
-}  # fmt: skip
-PROCESSOR = {
-    "name": "cpu", "type": "processor", "mttf_ref": 400.0, "t_ref": 51.0, "t_max": 90.0,
-    "u_max": 2.0, "activation_energy": 0.3, "shape": 2.0, "temperature": "t",
-    "utilisation": "u",
-}  # fmt: skip
+BATTERY = battery(1e-3)
+PROCESSOR = Part("cpu", Processor(400.0, 2.0, Heat("t", 0.3, 51.0, 90.0), ("u", 2.0), 0.0))
+UNITS = Part("units", KOutOfN(2, 1e-3, 4, "n"))
 
 
 def step(one, at=0.0, **values):
@@ -104,7 +102,7 @@ def test_a_chain_follows_the_verdicts_on_its_states():
 def test_the_worst_case_may_count_while_inputs_are_unknown():
     thresholds = [{"id": "go", "activate": 0.999, "release": 0.999, "hold": 0.0}]
     events = [event("exponential", 0.1, input="a"), event("fixed", 0.01)]
-    model = [tree(events, [{"type": "AND", "of": [0, 1]}])]
+    model = [tree(events, [Gate("AND", (0, 1))])]
     for rule, expected in (("inactive", False), ("worst_case", True)):
         one = monitor(model, ["a"], thresholds=thresholds, on_unknown=rule)
         result = step(one)
@@ -143,7 +141,7 @@ def test_a_mission_that_is_longer_than_the_longest_is_unknown(rule):
 def test_the_longest_mission_is_not_the_worst_of_a_tree_with_not():
     events = [event("exponential", 0.5)]
     one = monitor(
-        [tree(events, [{"type": "NOT", "of": [0]}])],
+        [tree(events, [Gate("NOT", (0,))])],
         ["mission_end"],
         mission_end=True,
         horizon=2.0,
@@ -153,11 +151,8 @@ def test_the_longest_mission_is_not_the_worst_of_a_tree_with_not():
 
 
 def test_battery_processor_units_and_series():
-    units = {
-        "name": "units", "type": "k_out_of_n", "k": 2, "rate": 1e-3, "max": 4, "available": "n",
-    }  # fmt: skip
-    series = {"name": "all", "type": "series", "of": ["battery", "cpu", "units"]}
-    one = monitor([BATTERY, PROCESSOR, units, series], ["level", "t", "u", "n"])
+    series = Part("all", Series(("battery", "cpu", "units")))
+    one = monitor([BATTERY, PROCESSOR, UNITS, series], ["level", "t", "u", "n"])
     good = {"level": 80, "t": 60.0, "u": 1.0, "n": 4}
     result = step(one, **good)
     parts = [result.contributions[name] for name in ("battery", "cpu", "units")]
@@ -179,16 +174,14 @@ def test_battery_processor_units_and_series():
 
 def everything():
     """Return every type of component, and inputs that say that all is in order."""
-    processor = {**PROCESSOR, "utilisation": None}
-    units = {"name": "units", "type": "k_out_of_n", "k": 2, "rate": 1e-3, "available": "n"}
     worn = chain([[0, 1, 0.1], [1, 2, 0.2]], 3, [2], observe=[[0, "new", False]])
     names = ("battery", "cpu", "units", "rotors", "chain")
     events = [event("model", model=name) for name in names]
     events += [event("exponential", 0.01), event("weibull", 50.0, 2.0, input="w")]
     events += [event("PAND", 0.1, 0.2)]
-    top = tree(events, [{"type": "OR", "of": list(range(len(events)))}])
+    top = tree(events, [Gate("OR", tuple(range(len(events))))])
     values = {**WORKING, "level": 80.0, "t": 60.0, "n": 4, "new": True, "w": False}
-    parts = [BATTERY, processor, units, quad(0.01), worn, top]
+    parts = [BATTERY, PROCESSOR.but(load=None), UNITS.but(largest=None), quad(0.01), worn, top]
     return parts, values
 
 
@@ -209,7 +202,7 @@ def test_another_horizon_is_as_good_as_another_monitor():
 
 
 def test_statuses_may_come_as_a_list():
-    model = quad(0.01, inputs=[["status", i] for i in range(4)])
+    model = quad(0.01).but(inputs=tuple(("status", i) for i in range(4)))
     one = monitor([model], ["status"])
     assert step(one, status=[True] * 4).valid
     assert step(one, status=[True] * 3).unknown == ("status",)

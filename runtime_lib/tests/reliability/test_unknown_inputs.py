@@ -4,11 +4,16 @@ import math
 
 import pytest
 
+from eddi_scaffold.kinds.reliability.fault_tree import Gate
+from eddi_scaffold.kinds.reliability.lowering import Heat, KOutOfN, Processor
 from runtime_lib.tests.reliability.reliability_models import (
+    Part,
+    battery,
     chain,
     event,
     monitor,
     quad,
+    rotors,
     tree,
 )
 from runtime_lib.tests.reliability.test_reliability_monitor import (
@@ -16,16 +21,9 @@ from runtime_lib.tests.reliability.test_reliability_monitor import (
     step,
 )
 
-BATTERY = {
-    "name": "battery", "type": "battery", "failure_rate": 1e-2, "alpha": 8e-3, "beta": 7e-3,
-    "degradation": 6.4e-3, "level": "level", "repair": False, "t_ref": 25.0, "t_max": 60.0,
-    "activation_energy": 0.5, "temperature": "t",
-}  # fmt: skip
-CPU = {
-    "name": "cpu", "type": "processor", "mttf_ref": 400.0, "t_ref": 51.0, "t_max": 85.0,
-    "u_max": 1.0, "activation_energy": 0.3, "shape": 1.0, "temperature": "t", "utilisation": "u",
-}  # fmt: skip
-UNITS = {"name": "units", "type": "k_out_of_n", "k": 2, "rate": 0.1, "max": 4, "available": "n"}
+BATTERY = battery(1e-2, Heat("t", 0.5, 25.0, 60.0))
+CPU = Part("cpu", Processor(400.0, 1.0, Heat("t", 0.3, 51.0, 85.0), ("u", 1.0), 0.0))
+UNITS = Part("units", KOutOfN(2, 0.1, 4, "n"))
 STATES = chain(
     [[0, 1, 0.5], [1, 2, 0.25], [0, 2, 0.125]], 3, [2],
     observe=[[0, "a", False], [1, "b", False], [2, "c", True]],
@@ -34,24 +32,22 @@ EVENTS = [event("exponential", 0.1, input="a"), event("weibull", 9.0, 2.0, input
 
 
 def gates(kind):
-    return tree(EVENTS, [{"type": kind, "of": [0, 1]}])
+    return tree(EVENTS, [Gate(kind, (0, 1))])
 
 
-NOT_OR = tree(EVENTS, [{"type": "OR", "of": [0, 1]}, {"type": "NOT", "of": [2]}])
+NOT_OR = tree(EVENTS, [Gate("OR", (0, 1)), Gate("NOT", (2,))])
 TRUTHS = (True, False)
 ROTORS = dict.fromkeys(("m0", "m1", "m2", "m3"), TRUTHS)
-HEXA = {**quad(0.1), "configuration": "PNPNPN", "rates": [0.1] * 6}
-HEXA["inputs"] = [[f"m{i}", None] for i in range(6)]
 KINDS = {
     "battery": (BATTERY, {"level": (90.0, 60.0, 30.0, 10.0), "t": (-150.0, 25.0, 60.0)}),
-    "charged battery": ({**BATTERY, "repair": True}, {"level": (90.0, 10.0), "t": (5.0, 60.0)}),
+    "charged battery": (BATTERY.but(repair=True), {"level": (90.0, 10.0), "t": (5.0, 60.0)}),
     "processor": (CPU, {"t": (-150.0, 51.0, 85.0), "u": (0.0, 0.5, 1.0)}),
-    "worn processor": ({**CPU, "shape": 3.0}, {"t": (51.0, 85.0), "u": (0.0, 0.5, 1.0)}),
-    "new processor": ({**CPU, "shape": 0.5}, {"t": (51.0, 85.0), "u": (0.0, 0.5, 1.0)}),
+    "worn processor": (CPU.but(shape=3.0), {"t": (51.0, 85.0), "u": (0.0, 0.5, 1.0)}),
+    "new processor": (CPU.but(shape=0.5), {"t": (51.0, 85.0), "u": (0.0, 0.5, 1.0)}),
     "units": (UNITS, {"n": (0, 1, 2, 3, 4)}),
     "rotors": (quad(0.01), ROTORS),
     "repaired rotors": (quad(0.01, repair=True), ROTORS),
-    "hexacopter": (HEXA, {f"m{i}": TRUTHS for i in range(6)}),
+    "hexacopter": (rotors("PNPNPN", 0.1), {f"m{i}": TRUTHS for i in range(6)}),
     "chain": (STATES, {"a": TRUTHS, "b": TRUTHS, "c": TRUTHS}),
     "OR": (gates("OR"), {"a": TRUTHS, "b": TRUTHS}),
     "AND": (gates("AND"), {"a": TRUTHS, "b": TRUTHS}),
@@ -59,7 +55,7 @@ KINDS = {
     "NOT": (NOT_OR, {"a": TRUTHS, "b": TRUTHS}),
 }
 PARTS = [BATTERY, CPU, UNITS, quad(0.01)]
-NAMES = [part["name"] for part in PARTS]
+NAMES = [part.name for part in PARTS]
 MODELS = [event("model", model=name) for name in NAMES]
 LEVELS = [10.0 ** (-k / 8.0) for k in range(64)]
 THRESHOLDS = [
@@ -76,7 +72,7 @@ def last(parts, names, steps):
 
 
 def test_a_known_load_counts_while_the_temperature_is_unknown():
-    part = {**CPU, "u_max": 3.0}
+    part = CPU.but(load=("u", 3.0))
     names = ["t", "u"]
     worst = last([part], names, [{"t": 85.0, "u": 3.0}]).p_fail
     idle = last([part], names, [{"t": 85.0, "u": 0.25}]).p_fail
@@ -174,7 +170,7 @@ def test_a_large_chain_is_bounded_by_every_state_until_it_is_known():
 
 
 def test_a_level_that_is_ignored_ends_no_gap():
-    part = {**BATTERY, "temperature": None}
+    part = BATTERY.but(heat=None)
     results = told([part], "level", [60.0, 90.0, None, 90.0, 60.0])
     assert [one.valid for one in results] == [True, True, False, False, True]
     assert [one.p_fail_high for one in results[2:4]] == [1.0, 1.0]
@@ -260,10 +256,10 @@ def drone():
     events = [
         event("model", model="rotors"),
         event("model", model="cpu"),
-        {**event("exponential", 1e-3, input="lost"), "name": "link"},
+        event("exponential", 1e-3, name="link", input="lost"),
     ]
     go = [{**GO, "activate": 0.1, "release": 0.2}]
-    parts = [quad(0.001), CPU, tree(events, [{"type": "OR", "of": [0, 1, 2]}])]
+    parts = [quad(0.001), CPU, tree(events, [Gate("OR", (0, 1, 2))])]
     return monitor(parts, [*WORKING, "t", "u", "lost"], thresholds=go)
 
 

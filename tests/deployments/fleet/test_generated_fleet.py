@@ -23,6 +23,7 @@ from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.platforms import MeetingPlace
 from eddi_scaffold.yaml_text.nodes import read_map
 from tests.cli.command import ROOT, files_below, run
+from tests.data_files import data_text, tabled
 from tests.diagnosed import assert_reported
 from tests.package_texts import facts_in
 
@@ -206,15 +207,7 @@ def test_one_of_several_guarantees_suffices(whose: str, robots: list[object]) ->
 
 def test_digests_settle_along_a_chain_of_demands(tmp_path: Path) -> None:
     """How many models offer what a robot demands is told by its digest, on which others rely."""
-    link = """\
-guarantees: [{id: G, dimensions: [{Binary: {type: LEVEL}}]}]
-demands: [{id: D, dimensions: [{Binary: {type: BELOW}}]}]
-evidence: []
-gates: []
-tree_propagations: [{from: D, to: G}]
-required_services: []
-provided_services: []
-"""
+    link = data_text("deployments/link.yml")
     robots = []
     for level, count in ((0, 2), (1, 2), (2, 1)):
         text = link.replace("LEVEL", f"L{level}").replace("BELOW", f"L{level - 1}")
@@ -254,31 +247,11 @@ def offered(fleet: Fleet) -> dict[str, list[str]]:
     }
 
 
-ROBOTS = """\
-Robots:
-  - {name: cart, monitors: [{config: cart_config.yml}]}
-  - {name: arm, monitors: [{config: arm_config.yml}]}
-  - {name: lift, monitors: [{config: arm_config.yml}]}
-  - {name: far, master: "http://far:11311", monitors: [{config: arm_config.yml}]}
-  - {name: truck, namespace: /, monitors: [{config: cart_config.yml}]}
-"""
+ROBOTS = data_text("deployments/robots.yml")
 
 
-@pytest.mark.parametrize(
-    ("binding", "expected"),
-    [
-        ("robot: cart, from: [lift]", {"cart": ["lift/arm.Parked"]}),
-        ("robot: cart, from: lift", {"cart": ["lift/arm.Parked"]}),
-        ("robot: cart", {"cart": ["arm/arm.Parked", "lift/arm.Parked"]}),
-        (
-            "from: any, monitor: cart, guarantee: Parked",
-            {key: ["arm/arm.Parked", "lift/arm.Parked"] for key in ("cart", "truck")},
-        ),
-    ],
-)
-def test_who_may_fulfil_a_demand(
-    binding: str, expected: dict[str, list[str]], folder: Path
-) -> None:
+@tabled
+def test_who_may_fulfil_a_demand(binding, expected, folder):
     text = f"{ROBOTS}Bindings: [{{demand: ArmIsParked, {binding}}}]\n"
     found = offered(whole(folder, text))
     assert found == {f"{name}/cart.ArmIsParked": of for name, of in expected.items()}
@@ -310,13 +283,7 @@ def test_robots_apart_may_publish_what_they_want(folder: Path) -> None:
 
 def test_the_picture_shows_robots_monitors_and_bindings(folder: Path) -> None:
     text = ROBOTS.replace("arm_config.yml}", "arm_config.yml}, {config: own_config.yml}", 1)
-    own = """\
-Model: {id: own, type: ConSert, parameters: [{model: cart.yml}]}
-SimulatorOutputs: [{id: arm, type: eddi_messages.ConSertOutput, topic: guarantees}]
-EDDIInputs: [{id: ArmIsParked, requires: [arm], field: "guarantees[Parked].active", max_age: 1}]
-EDDIOutputs: [{id: own, topic: own}]
-"""
-    (folder / "own_config.yml").write_text(own, "utf-8")
+    (folder / "own_config.yml").write_text(data_text("deployments/own_config.yml"), "utf-8")
     fleet = whole(folder, f"{text}Bindings: [{{demand: ArmIsParked, robot: cart, from: lift}}]\n")
     found = diagram(fleet, "cell")
     heads = " ".join(node.lines[0] for node in found.nodes)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
+from pathlib import Path
 from random import Random
 from typing import Any
 
@@ -14,9 +15,11 @@ from tests.deployments.pool.templates import (
     Reading,
     Slot,
     Template,
-    dump,
 )
 
+_MODEL, _SETTINGS = (
+    Path(__file__).with_name(name).read_text("utf-8") for name in ("network.xmlbif", "scope.yml")
+)
 ARRAY = Reading("array", "std_msgs/Float64MultiArray", (), "float[]", field="data")
 """It has no leaves: what is unknown of it is the verdict, which its completion draws."""
 USUAL = (0.5, 9.5, 2.5, 7.5, 5.0)
@@ -28,18 +31,7 @@ def scopes() -> Iterator[Template]:
     for mode in ("hold", "clear"):
         name = f"scope_{mode}"
         file, reference = f"{name}_safeml.yml", f"{name}_reference.csv"
-        settings = {
-            "window_size": 5,
-            "reference_sample_file": reference,
-            "significance_level": 0.02,
-            "distance_metric": "KolmogorovSmirnovDistance",
-            "n_components": None,
-            "residual_test": False,
-            "calibration": "iid",
-            "on_omission": mode,
-            "max_age": 1.2,
-            "input_dtype": "float64",
-        }
+        settings = _SETTINGS.replace("REFERENCE", reference).replace("MODE", mode)
         config = Config(name, "SafeML", ("config", file))
         slot = Slot("s_x", ARRAY, 1.2, good=USUAL)
         config.source(slot)
@@ -47,7 +39,7 @@ def scopes() -> Iterator[Template]:
             {"id": "frame", "type": "float[]", "requires": ["s_x"], "field": "data"}
         )
         rows = "".join(f"{7 * k % 20 / 2}\n" for k in range(20))
-        files = {file: dump(settings), reference: rows, f"{name}_config.yml": config.text()}
+        files = {file: settings, reference: rows, f"{name}_config.yml": config.text()}
         yield Template(name, "safeml", files, (slot,), {"scope": "/status", "verdict": ""})
 
 
@@ -115,30 +107,7 @@ def _network(
     config.model = {"outputs": ["Risk"], "discretisation": rules}
     if threshold is not None:
         config.model["evidence"] = [{"id": "Low", "node": "Risk", **threshold}]
-    files = {f"{name}.xmlbif": _model(name, rng.choice(ROWS)), f"{name}_config.yml": config.text()}
+    model = _MODEL.replace("TITLE", name).replace("ROWS", rng.choice(ROWS))
+    files = {f"{name}.xmlbif": model, f"{name}_config.yml": config.text()}
     offers = {"posterior": ""} if threshold is None else {"threshold": "/evidence"}
     return Template(name, "bayesian_network", files, tuple(slots), offers)
-
-
-def _model(name: str, rows: str) -> str:
-    def variable(node: str, *states: str) -> str:
-        outcomes = "".join(f"<OUTCOME>{state}</OUTCOME>" for state in states)
-        return f'<VARIABLE TYPE="nature"><NAME>{node}</NAME>{outcomes}</VARIABLE>'
-
-    def definition(node: str, table: str, *given: str) -> str:
-        parents = "".join(f"<GIVEN>{one}</GIVEN>" for one in given)
-        return f"<DEFINITION><FOR>{node}</FOR>{parents}<TABLE>{table}</TABLE></DEFINITION>"
-
-    return "\n".join(
-        [
-            '<?xml version="1.0"?>',
-            f'<BIF VERSION="0.3"><NETWORK><NAME>{name}</NAME>',
-            variable("Near", "Yes", "No"),
-            variable("Human", "Yes", "No"),
-            variable("Risk", "High", "Low"),
-            definition("Near", "0.3 0.7"),
-            definition("Human", "0.2 0.8"),
-            definition("Risk", rows, "Near", "Human"),
-            "</NETWORK></BIF>\n",
-        ]
-    )

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -10,34 +11,10 @@ import yaml
 NUMBERS = (10.0, 30.0, 50.0, 90.0)
 """One of each region: no threshold of a model lies anywhere but at 20, 40 and 60."""
 TEXTS = ("clear", "fog")
-FLAGS = (True, False)
-VERDICTS = (0, 2)
-CHANCES = (0.0, 1.0)
-
 SOURCE_TYPES = {"flag": "Bool", "number": "Float64", "text": "String", "array": "Float64MultiArray"}
 """What a source offers -> its message of std_msgs."""
 
 Fits = Callable[[Any], bool]
-
-
-def _is_flag(value: Any) -> bool:
-    return type(value) is bool
-
-
-def _is_number(value: Any) -> bool:
-    return type(value) is float and math.isfinite(value)
-
-
-def _is_no_nan(value: Any) -> bool:
-    return type(value) is float and not math.isnan(value)
-
-
-def _is_text(value: Any) -> bool:
-    return type(value) is str
-
-
-def _is_whole(value: Any) -> bool:
-    return type(value) is int
 
 
 @dataclass(frozen=True)
@@ -63,116 +40,39 @@ class Reading:
     covers: float = 40.0  # the greatest number that is evidence of a ConSert
 
 
-def _source(offer: str, name: str, leaf: Leaf, kind: str) -> Reading:
-    return Reading(offer, f"std_msgs/{name}", (leaf,), kind, field="data")
+_LEAVES: Mapping[str, tuple[tuple[Any, ...], Fits]] = {
+    "flag": ((True, False), lambda value: type(value) is bool),
+    "verdict": ((0, 2), lambda value: type(value) is int),
+    "chance": ((0.0, 1.0), lambda value: type(value) is float and math.isfinite(value)),
+    "number": (NUMBERS, lambda value: type(value) is float and math.isfinite(value)),
+    "size": (NUMBERS, lambda value: type(value) is float and not math.isnan(value)),
+    "text": (TEXTS, lambda value: type(value) is str),
+}
+"""Kind of a leaf -> the values that it may have while it is unknown, and which count as known."""
 
 
-def flag(path: str) -> Leaf:
-    return Leaf(path, FLAGS, _is_flag)
-
-
-def _always(path: str, value: Any) -> Leaf:
-    """Return a leaf that has one value where everything is known."""
+def _leaf(path: str, kind: str | Mapping[str, Any]) -> Leaf:
+    if isinstance(kind, str):
+        return Leaf(path, *_LEAVES[kind])
+    value = kind["always"]  # where everything is known
     return Leaf(path, (value,), lambda found: type(found) is type(value))
 
 
-def _field(offer: str, message: str, path: str, *beside: Leaf) -> Reading:
-    return Reading(offer, f"eddi_messages/{message}", (flag(path), *beside), field=path)
+def _readings(group: str) -> Mapping[str, Reading]:
+    rows = yaml.load(Path(__file__).with_name("readings.yml").read_text("utf-8"), yaml.CSafeLoader)
+    return {
+        name: Reading(**{**row, "leaves": tuple(_leaf(*leaf) for leaf in row["leaves"].items())})
+        for name, row in rows[group].items()
+    }
 
 
-def _expression(
-    offer: str, message: str, text: str, *leaves: Leaf, hazard: bool = False
-) -> Reading:
-    message_type = message if "/" in message else f"eddi_messages/{message}"
-    return Reading(offer, message_type, leaves, expression=text, hazard=hazard)
-
-
-_NUMBER = Leaf("data", NUMBERS, _is_number)
-_VERDICT = Leaf("verdict", VERDICTS, _is_whole)
-
-SOURCES: Mapping[str, Reading] = {
-    "flag": _source("flag", "Bool", flag("data"), "bool"),
-    "number": _source("number", "Float64", _NUMBER, "float"),
-    "text": _source("text", "String", Leaf("data", TEXTS, _is_text), "str"),
-    "size": _source("number", "Float64", Leaf("data", NUMBERS, _is_no_nan), "float"),
-}
-"""Fields that no monitor publishes; a ConSert compares infinity, to others it tells nothing."""
-
-GOOD: Mapping[str, Reading] = {
-    "guarantee": _field("guarantee", "ConSertOutput", "guarantees[G].active"),
-    "verdict of guarantee": _expression(
-        "status", "ConSertStatus", "{s}.guarantees[0].verdict == 2",
-        Leaf("guarantees[0].verdict", VERDICTS, _is_whole),
-    ),
-    "guarantee is false": _expression(
-        "status", "ConSertStatus", "{s}.guarantees[0].verdict == 0",
-        Leaf("guarantees[0].verdict", VERDICTS, _is_whole),
-    ),
-    "evidence": _field("evidence", "EventOutput", "active", _VERDICT),
-    "verdict of evidence": _expression("evidence", "EventOutput", "{s}.verdict == 2", _VERDICT),
-    "evidence is false": _expression("evidence", "EventOutput", "{s}.verdict == 0", _VERDICT),
-    "no hazard": _expression("hazard", "EventOutput", "NOT {s}.active", flag("active"), _VERDICT),
-    "hazard is false": _expression("hazard", "EventOutput", "{s}.verdict == 0", _VERDICT),
-    "hazard is true": _expression("hazard", "EventOutput", "{s}.verdict == 2", _VERDICT),
-    "fit": _field(
-        "reliability", "ReliabilityOutput", "evidence[Fit].active", _always("reason", "")
-    ),
-    "number of fit": _expression(
-        "reliability", "ReliabilityOutput", "{s}.valid AND {s}.p_fail < 0.15",
-        _always("valid", True), Leaf("p_fail", CHANCES, _is_number),
-    ),
-    "scope": _field("scope", "SafeMLStatus", "in_scope", _always("omission", False)),
-    "verdict of scope": _expression(
-        "verdict", "SafeMLOutput", "NOT {s}.omission AND NOT {s}.odd_violation",
-        _always("omission", False), flag("odd_violation"),
-    ),
-    "violation": _expression(
-        "verdict", "SafeMLOutput", "NOT {s}.omission AND {s}.odd_violation",
-        _always("omission", False), flag("odd_violation"),
-    ),
-    "threshold": _field(
-        "threshold", "BayesianNetworkEvidence", "evidence[Low].active",
-        _always("evidence[Low].reason", ""),
-    ),
-}  # fmt: skip
-"""True only when something good is known."""
-
-AGAINST: Mapping[str, Reading] = {
-    "no guarantee": _expression(
-        "guarantee", "ConSertOutput", "NOT {s}.guarantees[0].active", flag("guarantees[0].active")
-    ),
-    "no evidence": _expression(
-        "evidence", "EventOutput", "NOT {s}.active", flag("active"), _VERDICT
-    ),
-    "hazard": _field("hazard", "EventOutput", "active", _VERDICT),
-}
-"""False only when something good is known."""
-
+SOURCES, GOOD, AGAINST = _readings("sources"), _readings("good"), _readings("against")
 INVERTED: Mapping[str, Reading] = {
     "negated evidence": AGAINST["no evidence"],
     "hazard as evidence": AGAINST["hazard"],
 }
 """Evidence of a ConSert that `check` refuses where it has the publisher; silence gives none."""
-
-BAD: Mapping[str, Reading] = {
-    "raw posterior": Reading(
-        "posterior", "eddi_messages/BayesianNetworkOutput",
-        (Leaf("output_nodes[0].outcomes[0].outcome_value", CHANCES, _is_number),),
-        "float", field="output_nodes[0].outcomes[0].outcome_value", covers=0.3,
-    ),
-    "hazard of an expression": _expression(
-        "number", "std_msgs/Float64", "{s}.data < 40", _NUMBER, hazard=True
-    ),
-    "violation alone": _expression(
-        "verdict", "SafeMLOutput", "NOT {s}.odd_violation", flag("odd_violation")
-    ),
-    "bound alone": _expression(
-        "reliability", "ReliabilityOutput", "{s}.p_fail_low < 0.15",
-        Leaf("p_fail_low", CHANCES, _is_number),
-    ),
-    "value alone": _expression("alone", "std_msgs/Bool", "NOT {s}.data", flag("data")),
-}  # fmt: skip
-"""True also when nothing is known, taken as evidence of a ConSert."""
+BAD = _readings("bad")
 
 
 OUT = "out"

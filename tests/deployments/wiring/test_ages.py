@@ -11,6 +11,7 @@ from eddi_scaffold.deployments.support import WiredMonitor, acceptances
 from eddi_scaffold.deployments.wiring import members_of
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
+from tests.data_files import tabled
 from tests.deployments.wiring.test_wiring import CONFIG, CONSERT
 
 LINK = "  - {{id: b, type: eddi_messages.ConSertOutput, topic: {}/out}}"
@@ -88,43 +89,17 @@ def limits(monitor: BoundMonitor) -> list[object]:
     return [input_.max_age for input_ in monitor.facts.inputs]
 
 
-def told(problems: list[Problem]) -> list[tuple[str, str]]:
-    return [(one.code, one.level) for one in problems if one.code in ("K017", "K029")]
+def told(problems: list[Problem]) -> list[list[str]]:
+    return [[one.code, one.level] for one in problems if one.code in ("K017", "K029")]
 
 
 EXPRESSION = "expression: 'b.guarantees[G].active'"
 STATUS = BASE.replace("Output", "Status").replace("/out", "/out/status")
 READ_STATUS = "expression: 'b.guarantees[G].verdict == 2'"
-SENSOR_AND_MONITOR = f"{BASE}\n{SENSOR}"
 
 
-@pytest.mark.parametrize(
-    ("source", "entry", "limit", "found"),
-    [
-        (BASE, READ, 1.0, []),
-        (LINK.format("/base"), READ, 1.0, []),
-        (LINK.format("other"), READ, 1.0, []),  # whose, does not matter
-        (STATUS, READ_STATUS, 1.0, []),
-        (BASE, f"{READ}, max_age: 3", 3.0, []),
-        (BASE, f"{READ}, max_age: none", "none", []),
-        (BASE.replace("}", ", max_age: 2}"), READ, 2.0, []),
-        (BASE, EXPRESSION, 1.0, []),
-        (SENSOR, "requires: [s]", None, [("K017", "warning")]),
-        # of a sensor a person decides, also where an expression reads a monitor beside it
-        (
-            SENSOR_AND_MONITOR,
-            "expression: 'b.guarantees[G].active AND s.data'",
-            None,
-            [("K017", "warning")],
-        ),
-        # what is written by hand gets both messages or none
-        (SENSOR_AND_MONITOR, "requires: [b, s]", 1.0, []),
-        (f"{BASE}\n{SENSOR.replace('}', ', max_age: 0.4}')}", "requires: [b, s]", 0.4, []),
-    ],
-)
-def test_a_message_of_a_monitor_is_unknown_after_a_second(
-    source: str, entry: str, limit: object, found: list[tuple[str, str]], tmp_path: Path
-) -> None:
+@tabled
+def test_a_message_of_a_monitor_is_unknown_after_a_second(source, entry, limit, found, tmp_path):
     base = written(tmp_path, "base", SENSOR, f"{LIMITED}, field: data")
     top = written(tmp_path, "top", source, entry, 100.0)
     alone, problems = read(top)

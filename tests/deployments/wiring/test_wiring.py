@@ -13,25 +13,11 @@ from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.cli.command import Result, run
-from tests.data_files import ORACLES
+from tests.data_files import ORACLES, data_text
 from tests.package_texts import facts_in
 
-CONSERT = """\
-guarantees: [{{id: G, dimensions: [{{Binary: {{type: Fine}}}}]}}]
-demands: []
-evidence: [{{id: E, dimension: {{Binary: {{type: Fine}}}}}}]
-gates: []
-tree_propagations: [{{from: E, to: G}}]
-required_services: []
-provided_services: []
-"""
-CONFIG = """\
-Model: {{id: {id}, type: ConSert, parameters: [{{model: {id}.yml}}]}}
-SimulatorOutputs:
-{sources}
-EDDIInputs: [{{id: E, type: bool, {input}, max_age: 0.5}}]
-EDDIOutputs: [{{id: out, topic: {topic}}}]
-"""
+CONSERT = data_text("deployments/consert.yml")
+CONFIG = data_text("deployments/consert_config.yml")
 
 
 def member(

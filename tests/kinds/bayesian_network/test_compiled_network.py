@@ -102,7 +102,7 @@ def test_two_monitors_of_one_text_are_independent():
         kind = type(made.monitor())
         one, other = kind(), kind()
         before = other.execute_step(object(), 0)
-        values = {node.id: node.states[0] for node in made.network.nodes}
+        values = {node.id: node.states[0] for node in made.model.data.nodes}
         one.execute_step(give(**values, v=1.0, d=1.0, a="b", b="on"), 5)
         assert other.execute_step(object(), 0) == before
         assert one.engine is not other.engine

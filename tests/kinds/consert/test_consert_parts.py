@@ -138,8 +138,26 @@ def test_a_deep_chain_is_cut_in_the_outline():
     text = text.replace(
         head, f"{head}{edges}  - {{from: g0, to: SlowDrive}}\n  - {{from: Lidar, to: g49}}\n"
     )
-    lines = read(text).outline()
-    assert "  " * 30 + "Or g29 ..." in lines
+    model = read(text)
+    assert "  " * 30 + "Or g29 ..." in model.outline()
+    assert "`g3 AND Lidar`" in "".join(model.readme())
+
+
+def test_a_readme_says_what_a_guarantee_needs():
+    text = """
+evidence: {Lidar: bool, Radar: bool, Charge: 20 .. 100 %, Rain: bool, Fog: bool}
+guarantees:
+  Drive: (Lidar OR (Radar AND Rain AND Fog)) AND Charge
+  Speed: {when: Lidar, gives: 0 .. 2 m/s}
+  Wait: always
+"""
+    assert read(text).readme() == [
+        "| guarantee | type | active while |",
+        "|---|---|---|",
+        "| `Drive` | Drive | `(Lidar OR (Radar AND Rain AND Fog)) AND Charge` |",
+        "| `Speed` | Speed in [0, 2] m/s | `Lidar` |",
+        "| `Wait` | Wait | always |",
+    ]
 
 
 def test_a_mark_is_of_one_guarantee_though_names_have_slashes():

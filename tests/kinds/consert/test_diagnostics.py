@@ -1,7 +1,7 @@
 """Each diagnostic of ConSert YAML: a small file that earns it, and its exact text.
 
-The cases stand in ``diagnostics.txt``: ``### NAME``, a file, ``>>>``, what is reported. Sections of
-the file replace those of one sound ConSert, unless the name says ``(whole file)``.
+The cases stand in ``diagnostics.txt``. Sections of a file replace those of one sound ConSert,
+unless the name says ``(whole file)``.
 """
 
 import re
@@ -17,6 +17,7 @@ from eddi_scaffold.common.catalogue import area
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.graph import path_sets
+from tests.diagnosed import Cases
 from tests.kinds.consert.example import monitor_of
 
 SOUND = {
@@ -30,45 +31,29 @@ SOUND = {
 }
 
 
-def read_cases() -> dict[str, tuple[str, str]]:
-    text = Path(__file__).with_name("diagnostics.txt").read_text(encoding="utf-8")
-    cases = {}
-    for case in re.split(r"(?m)^### ", text)[1:]:
-        title, _, rest = case.partition("\n")
-        given, _, expected = rest.partition(">>>\n")
-        name, whole, _ = title.partition(" (whole file)")
-        cases[name] = (given if whole else changed(given), expected.rstrip("\n"))
-    return cases
-
-
 def changed(given: str) -> str:
     sections = [part for part in re.split(r"(?m)^(?=\S+:)", given) if part]
     return "".join({**SOUND, **{part.partition(":")[0]: part for part in sections}}.values())
 
 
-TEXTS = read_cases()
+REPORTED = Cases(Path(__file__).with_name("diagnostics.txt"))
 
 
-@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize("name", REPORTED.inputs)
 def test_text_of_the_diagnostic(name):
-    text, expected = TEXTS[name]
-    lines = []
-    for problem in ConSertModel.read_file(Source("m.yml", text.encode()), ()).problems:
-        place = problem.place
-        where = f"{place.file}:{place.line}:{place.col}"
-        lines.append(f"{where}: {problem.level}: {problem.message} [{problem.code}]")
-        lines += [f"  hint: {problem.hint}"] if problem.hint else []
-    assert "\n".join(lines) == expected
+    text = REPORTED.inputs[name]
+    reading = read(text if "(whole file)" in name else changed(text))
+    REPORTED.check(name, reading.problems)
 
 
 def test_every_code_has_a_case():
     diagnostics = area("C").diagnostics.values()
-    codes = {name[:4] for name in TEXTS}
+    codes = {name[:4] for name in REPORTED.inputs}
     assert all(codes & {diagnostic.code, *diagnostic.absorbed} for diagnostic in diagnostics)
 
 
 def test_the_sound_file_has_no_problem():
-    reading = ConSertModel.read_file(Source("m.yml", changed("").encode()), ())
+    reading = read(changed(""))
     assert reading.problems == ()
     assert [model.name for model in reading.models] == ["m"]
 

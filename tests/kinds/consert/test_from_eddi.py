@@ -23,6 +23,7 @@ from eddi_scaffold.kinds.consert.consert import (
 from eddi_scaffold.kinds.consert.read_eddi_dimensions import read_english
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from tests.data_files import data_file
+from tests.diagnosed import Cases
 from tests.eddi_xml.eddi_texts import MODELS, OLDER, ROVER, SAFETY_CASE, read, texts
 
 
@@ -221,31 +222,20 @@ def test_a_bound_that_cannot_be_read_is_said() -> None:
     ]
 
 
-def read_cases() -> dict[str, tuple[str, str, list[str]]]:
-    """Return name -> what is changed in a file, into what, and all that is reported then."""
-    text = Path(__file__).with_name("eddi_diagnostics.txt").read_text(encoding="utf-8")
-    cases = {}
-    for case in re.split(r"(?m)^### ", text)[1:]:
-        name, _, rest = case.partition("\n")
-        change, _, lines = rest.partition("\n>>>\n")
-        before, _, after = change.partition("\n->\n")
-        cases[name] = (before, after, lines.split("\n")[:-1])
-    return cases
+REPORTED = Cases(Path(__file__).with_name("eddi_diagnostics.txt"))
+"""Each input is what is changed in a file, and into what."""
 
 
-CASES = read_cases()
-
-
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", REPORTED.inputs)
 def test_what_is_reported(name: str) -> None:
-    before, after, expected = CASES[name]
+    before, after = REPORTED.inputs[name].removesuffix("\n").split("\n->\n")
     assert before in ROVER
     conserts, problems = read(ROVER.replace(before, after))
-    assert texts(problems) == [line for line in expected if line]
     assert conserts or has_errors(problems)
     assert all(problem.place.path for problem in problems if problem.level == "error")
     if name.startswith("Fig"):  # SESAME D7.2 exists as scanned text, and users copy from it
         assert conserts == (DRIVE,)
+    REPORTED.check(name, problems)
 
 
 def test_a_file_without_conserts_has_none() -> None:

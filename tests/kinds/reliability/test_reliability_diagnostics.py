@@ -1,11 +1,9 @@
 """Each diagnostic of reliability: a model that earns it, and its exact text.
 
-The cases stand in ``diagnostics.txt``: ``### NAME``; a ``reliability_config.yml``, or an Open-PSA
-file, or else, where it begins with ``<``, the failure models of an EDDI; ``>>>``; what is reported.
-``UPDATE_DIAGNOSTICS=1`` writes what is reported now.
+The cases stand in ``diagnostics.txt``: a ``reliability_config.yml``, or an Open-PSA file, or else,
+where it begins with ``<``, the failure models of an EDDI.
 """
 
-import os
 import re
 from pathlib import Path
 from typing import Any
@@ -17,11 +15,11 @@ from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
+from tests.diagnosed import Cases
 from tests.kinds.reliability.monitors import everything, models_of
 from tests.kinds.reliability.test_reliability_example import EXAMPLE
 
-FILE = Path(__file__).with_name("diagnostics.txt")
-CASES = dict(part.split("\n", 1) for part in re.split(r"(?m)^### ", FILE.read_text("utf-8"))[1:])
+CASES = Cases(Path(__file__).with_name("diagnostics.txt"))
 PACKAGE = "//@odeProductPackages.0/@failureModels"
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 <i:DDIPackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
@@ -30,18 +28,6 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
  xmlns:i="http://www.deis-project.eu/ode/integration">
 <odeProductPackages xsi:type="f:FailureLogicPackage">
 """
-
-
-def reported(given: str, folder: Path) -> str:
-    if given.startswith("<opsa-mef>"):
-        problems = everything(given, "tree.xml")
-    else:
-        problems = of_eddi(given, folder) if given.startswith("<") else everything(given)
-    return "".join(
-        f"{Path(p.place.file).name}:{p.place.line}{f':{p.place.col}' if p.place.col else ''}: "
-        f"{p.level}: {p.message} [{p.code}]\n" + (f"  hint: {p.hint}\n" if p.hint else "")
-        for p in problems
-    )
 
 
 def of_eddi(given: str, folder: Path) -> list[Problem]:
@@ -57,18 +43,16 @@ def of_eddi(given: str, folder: Path) -> list[Problem]:
     return in_order(problems)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", CASES.inputs)
 def test_text_of_the_diagnostic(name: str, tmp_path: Path) -> None:
-    given, _, expected = CASES[name].partition(">>>\n")
-    got = reported(given, tmp_path)
-    if os.environ.get("UPDATE_DIAGNOSTICS"):
-        text = FILE.read_text("utf-8")
-        old = f"### {name}\n{CASES[name]}"
-        FILE.write_text(text.replace(old, f"### {name}\n{given}>>>\n{got}"), "utf-8")
-        return
-    assert got == expected
+    text = CASES.inputs[name]
+    if text.startswith("<") and not text.startswith("<opsa-mef>"):
+        problems = of_eddi(text, tmp_path)
+    else:
+        problems = everything(text, *["tree.xml"] * text.startswith("<"))
     codes = re.findall(r"[RX]\d{3}(?=_)", name)
-    assert all(f"[{code}]" in got for code in codes)
+    assert {*codes} <= {problem.code for problem in problems}
+    CASES.check(name, problems)
 
 
 def said(folder: Path, old: str, new: str) -> list[str]:

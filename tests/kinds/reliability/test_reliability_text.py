@@ -10,8 +10,12 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.kinds.reliability import chains
+from eddi_scaffold.kinds.reliability.chains import Chain
+from eddi_scaffold.kinds.reliability.fault_tree import Gate
+from eddi_scaffold.kinds.reliability.lowering import Markov, Named, Series
 from runtime_lib.tests.reliability.reliability_models import (
     Model,
+    Part,
     chain,
     compiled,
     event,
@@ -25,31 +29,29 @@ from tests.program.formatting import HOSTILE, objections
 
 ARCS = [[i, j, 0.1 / (1 + i + 2 * j)] for i in range(8) for j in range(8) if i != j]
 DENSE = chain(ARCS, 8, [7], observe=[[0, "new", False], [7, "ok", True]])
-LARGE = {**chain([[i, i + 1, 0.5] for i in range(11)], 12, [11], age=2.0), "name": "large"}
+LARGE = chain([[i, i + 1, 0.5] for i in range(11)], 12, [11], age=2.0)._replace(name="large")
 GO = {"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.5}
 
 
 def whole(**options: Any) -> Model:
     parts = [BATTERY, CPU, UNITS, quad(0.01), DENSE, LARGE]
-    events = [event("model", model=part["name"]) for part in parts]
+    events = [event("model", model=part.name) for part in parts]
     events += [event("exponential", 0.01, age=3.0), event("weibull", 50.0, 2.0, input="w")]
     events += [event("PAND", 0.1, 0.2), event("fixed", 0.25, input="f"), event("POR", 0.1, 0.2)]
-    gates = [{"type": "XOR", "of": [0, 1, 2, 3]}, {"type": "OR", "of": [*range(4, 11), 11]}]
-    series = {"name": "all", "type": "series", "of": ["tree"]}
+    gates = [Gate("XOR", (0, 1, 2, 3)), Gate("OR", tuple(range(4, 12)))]
     inputs = ["level", "t", "u", "n", "m0", "m1", "m2", "m3", "new", "ok", "w", "f", "mission_end"]
-    parts = [*parts, tree(events, gates), series]
+    parts = [*parts, tree(events, gates), Part("all", Series(("tree",)))]
     return model(parts, inputs, thresholds=[GO], on_unknown="worst_case", **options)
 
 
 def hostile() -> Model:
-    events = [{**event("exponential", 0.1, input=one), "name": one} for one in HOSTILE]
-    events[0]["place"] = '"""\nimport os'
-    named = {**chain([[0, 1, 0.1]], 2, [1]), "states": ['"""', "\n"], "name": "\n#", "place": "\\"}
-    gates = [
-        {"type": "OR", "of": [0, 1], "name": '"""\nimport os', "place": "\n#"},
-        {"type": "OR", "of": [*range(2, 12)], "name": "x" * 500, "place": "\\"},
-    ]
-    top = tree([*events, event("model", model="\n#")], gates)
+    events = [event("exponential", 0.1, name=one, input=one) for one in HOSTILE]
+    events[0] = events[0]._replace(place='"""\nimport os')
+    of = Markov(Chain(('"""', "\n"), 0, (1,), ((0, 1, 0.1),)), (), repair=False)
+    named = Part("\n#", of, "\\")
+    gates = [Gate("OR", (0, 1)), Gate("OR", tuple(range(2, 12)))]
+    names = [Named('"""\nimport os', "\n#"), Named("x" * 500, "\\")]
+    top = tree([*events, event("model", model="\n#")], gates, names)
     made = model([named, top], HOSTILE, thresholds=[{**GO, "id": '"\n'}])
     inputs = (replace(one, attribute=f"value {k}") for k, one in enumerate(made.declaration.inputs))
     return made._replace(declaration=replace(made.declaration, inputs=tuple(inputs)))
@@ -108,7 +110,7 @@ def test_two_monitors_of_one_text_are_independent() -> None:
 
 @pytest.mark.slow
 def test_very_many_units_are_counted() -> None:
-    one = monitor([{**UNITS, "k": 4990, "rate": 1e-3, "max": None}], ["n"])
+    one = monitor([UNITS.but(k=4990, rate=1e-3, largest=None)], ["n"])
     known = one.execute_step(SimpleNamespace(n=5000), 0)
     fewer = one.execute_step(SimpleNamespace(n=4995), 0)
     assert 0.0 < known.p_fail < fewer.p_fail < 1.0

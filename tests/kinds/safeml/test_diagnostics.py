@@ -1,14 +1,11 @@
 """Each diagnostic of SafeML: a configuration and a reference that earn it, and its exact text.
 
-The cases stand in ``diagnostics.txt``: ``### NAME``; keys that replace those of one sound
-configuration (``= KEY`` leaves one out); rows of the reference after ``@`` (``@b`` bytes in hex,
-``@ ramp N`` a drift of N rows, ``@ walk N`` dependent ones); ``>>>``; what is reported.
-``UPDATE_DIAGNOSTICS=1`` writes what is reported now.
+The cases stand in ``diagnostics.txt``: keys that replace those of one sound configuration
+(``= KEY`` leaves one out); rows of the reference after ``@`` (``@b`` bytes in hex, ``@ ramp N`` a
+drift of N rows, ``@ walk N`` dependent ones).
 """
 
-import os
 import random
-import re
 from pathlib import Path
 
 import pytest
@@ -18,8 +15,9 @@ from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import Problem, in_order
 from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.kinds.safeml.safeml_model import SafeMLModel
+from tests.diagnosed import Cases
 
-CASES_FILE = Path(__file__).with_name("diagnostics.txt")
+CASES = Cases(Path(__file__).with_name("diagnostics.txt"))
 SOUND = {
     "window_size": "4",
     "reference_sample_file": "reference.csv",
@@ -28,9 +26,6 @@ SOUND = {
 }
 _RANDOM = random.Random(5)
 ROWS = "\n".join(f"{_RANDOM.gauss(0, 1):.4f},{_RANDOM.gauss(0, 1):.4f}" for _ in range(40))
-CASES = dict(
-    part.split("\n", 1) for part in re.split(r"(?m)^### ", CASES_FILE.read_text("utf-8"))[1:]
-)
 
 
 def lay(given: str, folder: Path, *, whole: bool) -> Path:
@@ -67,35 +62,20 @@ def walk(count: int) -> list[str]:
     return rows
 
 
-def shown(problem: Problem, folder: Path) -> str:
-    place = problem.place
-    where = ":".join(str(one) for one in (place.file, place.line, place.col) if one is not None)
-    hint = f"\n  hint: {problem.hint}" if problem.hint else ""
-    text = f"{where}: {problem.level}: {problem.message} [{problem.code}]{hint}"
-    return text.replace(f"{folder}/", "")
-
-
 def problems_of(path: Path) -> list[Problem]:
     reading = SafeMLModel.read_file(read_source(path), ())
     return in_order([*reading.problems, *(p for m in reading.models for p in m.check())])
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", CASES.inputs)
 def test_text_of_the_diagnostic(name: str, tmp_path: Path) -> None:
-    given, _, expected = CASES[name].partition(">>>\n")
-    problems = problems_of(lay(given, tmp_path, whole="(whole file)" in name))
-    printed = "\n".join(shown(problem, tmp_path) for problem in problems)
-    if os.environ.get("UPDATE_DIAGNOSTICS"):
-        text = CASES_FILE.read_text("utf-8")
-        old = f"### {name}\n{CASES[name]}"
-        CASES_FILE.write_text(text.replace(old, f"### {name}\n{given}>>>\n{printed}\n\n"), "utf-8")
-        return
-    assert {problem.code for problem in problems} >= {name[:4]}
-    assert printed == expected.rstrip("\n")
+    problems = problems_of(lay(CASES.inputs[name], tmp_path, whole="(whole file)" in name))
+    assert name[:4] in {problem.code for problem in problems}
+    CASES.check(name, problems)
 
 
 def test_every_code_has_a_case() -> None:
-    assert {name[:4] for name in CASES} == {*area("L").diagnostics}
+    assert {name[:4] for name in CASES.inputs} == {*area("L").diagnostics}
 
 
 def test_the_sound_files_have_no_problem(tmp_path: Path) -> None:

@@ -194,37 +194,29 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             hold = threshold.limits.hold_ns / 1e9
             since = self._lasting(judge.since)
             return [Cause((), "hold", TEXTS["hold"], since=since, limit=hold)]
-        if one.reason in ("", BETWEEN):
-            lasting, since = (
-                ("", 0.0) if one.reason else (" for {since}", self._lasting(judge.lost))
-            )
-            text = f"{about} {figure(best)}{lasting}, {tail}"
-            return [Cause((), "false", text, since=since, limit=limit)]
+        if not one.reason:
+            text = f"{about} {figure(best)} for {{since}}, {tail}"
+            return [Cause((), "false", text, since=self._lasting(judge.lost), limit=limit)]
+        if one.reason == BETWEEN:
+            return [Cause((), "window", f"{about} {figure(best)}, {tail}", limit=limit)]
         if one.reason not in (UNKNOWN_INPUTS, TOO_MANY):
             return [Cause((), "invalid", REASONS[one.reason])]
         bounds = f"{about} {figure(one.low)} .. {figure(one.high)}, {tail}"
-        detail = "" if math.isnan(one.low) else bounds
-        return [cause.because(cause.state, cause.text, detail) for cause in self._of_unknown()]
+        return self._of_nodes("" if math.isnan(one.low) else bounds)
 
-    def _of_unknown(self) -> list[Cause]:
-        """Return why inputs are not known that decide, those first that have long been so."""
-        facts, faults, causes = self.facts(), self.faults(), []
+    def _of_nodes(self, detail: str) -> list[Cause]:
+        """Return why the states of nodes are not known that are open."""
+        facts = self.facts()
         accepted = {text.partition(": ")[0] for text in facts.accepted}
-        specs = {spec.id: spec for spec in self.inputs}
         names = [name for name in facts.unknown_inputs if name not in accepted]
-        for name in sorted(
-            names, key=lambda one: -self._known_for(*filter(None, [specs.get(one)]))
-        ):
-            own = Cause((), "invalid", faults.get(name, "no value"))
-            if name in specs:
-                since = self._known_for(specs[name])
-                causes += self._of_input(specs[name], UNKNOWN, since, own)
-            else:  # a node that only a method observes
-                causes.append(own.under(name))
-        for name, states in facts.undecided.items():
-            text = f"may be {' or '.join(states)} after a gap"
-            causes.append(Cause((name,), "window", text))
-        return causes
+        specs = [spec for spec in self.inputs if spec.id in names]
+        texts = {
+            name: f"may be {' or '.join(of)} after a gap" for name, of in facts.undecided.items()
+        }
+        known = {spec.id for spec in specs}  # a node that only a method observes is no input
+        texts.update({name: "not observed" for name in names if name not in known})
+        more = [Cause((name,), "invalid", text, detail=detail) for name, text in texts.items()]
+        return [*self._of_unknown(specs, self.faults(), detail), *more]
 
     def blocked(self) -> dict[str, tuple[str, ...]]:
         lost = tuple(row.id for row in self.claims() if row.reason in (UNKNOWN_INPUTS, TOO_MANY))

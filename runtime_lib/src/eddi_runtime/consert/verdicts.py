@@ -119,8 +119,7 @@ class Numeric(Leaf):
         self.needs, self.unit, self.factor = needs or text, unit, factor
 
     def _wrong(self, value: Any) -> str:
-        text = shown(value * self.factor[0] / self.factor[1], self.unit)
-        return f"{text} for {{since}}, needs {self.needs}"
+        return f"{shown(value, self.unit, self.factor)} for {{since}}, needs {self.needs}"
 
     def _covers(self, value: object) -> bool | None:
         if isinstance(value, bool) or not isinstance(value, (int, float)):

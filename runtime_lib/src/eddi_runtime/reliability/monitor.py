@@ -251,16 +251,12 @@ class Reliability(Monitor[ReliabilityResult]):
         trouble = "" if result.reason == _UNKNOWN_INPUTS else result.reason
         if not result.valid and (trouble or not self.worst_case):
             detail = f"p_fail {figure(low)} .. {figure(high)}, {tail}"
-            causes: list[Cause] = []
-            specs = {spec.id: spec for spec in self.inputs}
-            unknown = [specs[name] for name in result.unknown if name in specs]
-            for spec in sorted(unknown, key=lambda spec: -self._known_for(spec)):
-                own = Cause((), "invalid", self._faults.get(spec.id, "no value"))
-                causes += self._of_input(spec, UNKNOWN, self._known_for(spec), own)
-            causes = [cause.because(cause.state, cause.text, detail) for cause in causes]
+            unknown = [spec for spec in self.inputs if spec.id in result.unknown]
+            causes = self._of_unknown(unknown, self._faults, detail)
             return [*causes, *([Cause((), "invalid", trouble)] if trouble else [])]
         if not high <= limit:
-            return [Cause((), "false", f"p_fail {figure(high)}, {tail}", limit=limit)]
+            text = f"p_fail {figure(high)}, {tail}"
+            return [Cause((), "window", text, limit=limit, detail=trouble)]
         hold = one.threshold.hold_ns / 1e9
         return [Cause((), "hold", TEXTS["hold"], since=self._lasting(one.since), limit=hold)]
 

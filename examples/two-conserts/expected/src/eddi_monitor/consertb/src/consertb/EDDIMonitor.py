@@ -4,7 +4,7 @@ from consertb.compiled import Monitor
 
 
 class EDDIMonitor:
-    """Run the model; `monitor` offers more than a step: faults() and, of most kinds, explain()."""
+    """Run the model; `monitor` offers more than a step: why(), faults() and mostly explain()."""
 
     def __init__(self):
         self.monitor = Monitor()

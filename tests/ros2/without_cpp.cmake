@@ -1,0 +1,13 @@
+# Included by every project that tests build: type support for C++, which no test loads, is not compiled.
+function(_without_cpp)
+  file(WRITE "${CMAKE_BINARY_DIR}/nothing.cpp" "")
+  get_property(targets DIRECTORY PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target ${targets})
+    if(target MATCHES "__rosidl_typesupport_.*cpp$")
+      get_property(sources TARGET ${target} PROPERTY SOURCES)
+      set_property(SOURCE ${sources} PROPERTY HEADER_FILE_ONLY ON)
+      target_sources(${target} PRIVATE "${CMAKE_BINARY_DIR}/nothing.cpp")
+    endif()
+  endforeach()
+endfunction()
+cmake_language(DEFER CALL _without_cpp)
