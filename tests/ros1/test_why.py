@@ -55,7 +55,7 @@ class Robot:
 def test_the_sentence_leads_from_a_guarantee_to_the_sensor(world):
     """What is dead, late and of another type two monitors away; and what came again."""
     robot = Robot(world)
-    robot.logs(f"missing {CHAIN}: no message yet, 2[.]. s (after the start|of 2 s to wait)")
+    robot.logs(f"missing {CHAIN}: no message yet, ")
     robot.sensor("/rte/e0a")
     dead = robot.sensor("/rte/e0b")
     robot.says("active")

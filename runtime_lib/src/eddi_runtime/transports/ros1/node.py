@@ -103,7 +103,11 @@ def start_log() -> None:
 def _connected(subscriber: Any) -> bool:
     """Return whether a publisher lives: a master lists one that was killed for ever."""
     connections = [*(getattr(subscriber.impl, "connections", None) or ())]
-    return any(getattr(one, "socket", one) is not None for one in connections)
+    # one that was refused has no other end
+    ends = [
+        (getattr(one, "socket", one), *getattr(one, "remote_endpoint", ())) for one in connections
+    ]
+    return any(None not in end for end in ends)
 
 
 class MonitorNode(Node):
