@@ -6,6 +6,7 @@ ConSertA on ConSertB for 0.5 s. The nodes step eight times per second.
 
 import pytest
 from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.node.health import Health
 from eddi_runtime.node.report import ERROR, OK, STALE, WARN
 from eddi_runtime.why import read_why
 
@@ -299,6 +300,7 @@ def test_what_is_missing_is_said_once_after_the_grace(robot):
 
 def test_an_output_of_another_shape_ends_no_report(robot):
     node = robot.start("consertb")
+    Health(node.core, node.eddi_input, 1.0, 0.0).after_step(None, {}, "", 0.0)
     for output in (None, {"id": "G"}, [1, "text"], [{"id": "G"}], object()):
         node.health.after_step(output, {}, "", 0.0)
     assert node.report()[0] == WARN
