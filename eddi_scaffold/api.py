@@ -20,8 +20,8 @@ from eddi_scaffold.packages.handwritten import until_written_near
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import alone, packages_root
 from eddi_scaffold.platforms import choices, chosen
-from eddi_scaffold.recordings.csv_recording import read_recording
-from eddi_scaffold.recordings.playing import columns, of_values, play, step_rule
+from eddi_scaffold.recordings.members import Member, read_values
+from eddi_scaffold.recordings.playing import play, played
 from eddi_scaffold.recordings.results import steps
 
 __all__ = [
@@ -132,6 +132,5 @@ def run(
         EddiError: an input cannot be used, or the files hold several models (G005).
     """
     monitors, _ = monitors_of(_paths(model), _paths(config))
-    monitor = only(monitors)
-    rows, _ = read_recording(read_source(Path(recording)), columns([monitor]))
-    yield from steps(play(of_values([monitor], [step_rule(monitor)]), rows))
+    members, rows, _ = read_values(read_source(Path(recording)), [Member(only(monitors))])
+    yield from steps(play(played(members), rows))

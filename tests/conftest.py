@@ -7,6 +7,7 @@ packages anew.
 
 from __future__ import annotations
 
+import atexit
 import os
 import shutil
 import signal
@@ -33,6 +34,10 @@ if (
 ):  # git, Copier and our own transactions flush a lot: several times faster in memory
     os.environ["TMPDIR"] = str(_MEMORY)
     tempfile.tempdir = None  # asked before, by pytest itself
+
+if "EDDI_TESTS_COMPILED" not in os.environ:  # of templates, for all processes; see quick_copier.py
+    os.environ["EDDI_TESTS_COMPILED"] = tempfile.mkdtemp(prefix="eddi-compiled-")
+    atexit.register(shutil.rmtree, os.environ["EDDI_TESTS_COMPILED"], ignore_errors=True)
 
 _WRITES_NO_BYTECODE = sys.dont_write_bytecode
 sys.dont_write_bytecode = False  # asserts are rewritten once, and not by each worker; see below

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from inspect import signature
 from pathlib import Path
 
@@ -30,6 +30,15 @@ def data_file(name: str) -> Path:
 def data_text(name: str) -> str:
     """Return a text that tests write: a model, a configuration, an old file, what is expected."""
     return (Path(__file__).parent / "data" / "texts" / name).read_bytes().decode()
+
+
+def write_files(folder: Path, files: Mapping[str, str | bytes]) -> Path:
+    """Put files into a folder, which may be a new one, and return it."""
+    for name, content in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return folder
 
 
 def tabled(test: Callable[..., None]) -> Callable[..., None]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.monitors.compiling import MonitorFacts, from_json
 from eddi_scaffold.packages.rendering import read_answers
+from eddi_scaffold.packages.running import packages_in
 from eddi_scaffold.regions.markers import Digests, begin_marker, digest, end_marker
 
 INPUT = "src/pkg/EDDIInput.py"
@@ -41,3 +43,10 @@ def _method(name: str, was: tuple[str, ...]) -> str:
 def facts_in(package: Path) -> MonitorFacts:
     """Return the facts in the answers of a package."""
     return from_json((read_answers(package) or {})["facts_json"])
+
+
+def loaded(package: Path) -> tuple[Any, Any]:
+    """Return an ``EDDIMonitor`` and an ``EDDIInput`` of a package."""
+    (member,) = packages_in([package]).members()
+    assert member.code is not None
+    return member.code.new()

@@ -7,6 +7,8 @@ git for the same setting for every file; together that is most of the time.
 
 from __future__ import annotations
 
+import hashlib
+import marshal
 import os
 import pickle
 import runpy
@@ -14,8 +16,8 @@ import subprocess
 import sys
 import tempfile
 import traceback
-from collections.abc import Mapping, Sequence
-from contextlib import redirect_stderr, redirect_stdout
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from contextvars import Context
 from functools import cache
 from pathlib import Path
@@ -30,6 +32,8 @@ from copier._cli import CopierApp
 from copier._main import Worker
 from plumbum import local
 
+COMPILED = "EDDI_TESTS_COMPILED"
+"""Names the folder of what the processes of a run have compiled; without it each is on its own."""
 _ASK = ("git", "config", "--type=bool", "--get", "core.fileMode")
 _ANSWER = "git ignores modes"
 
@@ -121,21 +125,42 @@ def _read_questions_once() -> None:
 
 
 def _compile_once() -> None:
-    compiled: dict[tuple[object, ...], CodeType] = {}
+    compiled: dict[str, CodeType] = {}
     compile_anew = jinja2.Environment.compile
 
-    def compile_(self: jinja2.Environment, source: Any, *args: Any, **more: Any) -> Any:
+    def compile_(
+        self: jinja2.Environment,
+        source: Any,
+        name: str | None = None,
+        filename: str | None = None,
+        **more: Any,
+    ) -> Any:
         if not isinstance(source, str) or "yield" in source:  # whose parser keeps what it has read
-            return compile_anew(self, source, *args, **more)
-        syntax = (type(self), *(str(getattr(self, name)) for name in _SYNTAX))
-        extensions = tuple(self.extensions), frozenset(self.filters), frozenset(self.tests)
-        key = (source, args, *more.items(), *syntax, *extensions)
-        if key not in compiled:
-            compiled[key] = compile_anew(self, source, *args, **more)
+            return compile_anew(self, source, name, filename, **more)
+        syntax = [str(getattr(self, key)) for key in _SYNTAX]
+        names = [sorted(self.extensions), sorted(self.filters), sorted(self.tests)]
+        key = repr((source, name, sorted(more.items()), type(self), syntax, names))
+        if key not in compiled:  # the folder of a template is another one each time
+            compiled[key] = _shared(key, lambda: compile_anew(self, source, name, None, **more))
         self.preprocess(source)  # Copier's extension forgets the yield of the template before
         return compiled[key]
 
     jinja2.Environment.compile = compile_  # type: ignore[method-assign]
+
+
+def _shared(key: str, compile_anew: Callable[[], CodeType]) -> CodeType:
+    """Return what any process of this run has compiled already."""
+    if (folder := os.environ.get(COMPILED)) is None:
+        return compile_anew()
+    file = Path(folder, hashlib.sha256(key.encode()).hexdigest())
+    with suppress(OSError):
+        return cast(CodeType, marshal.loads(file.read_bytes()))
+    code = compile_anew()
+    with suppress(OSError), tempfile.NamedTemporaryFile(dir=folder, delete=False) as new:
+        new.write(marshal.dumps(code))
+        new.flush()
+        Path(new.name).replace(file)
+    return code
 
 
 def _take_plain_texts_as_they_are() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from string import Formatter
@@ -25,24 +25,26 @@ REPORTERS |= {"_Wrong"}
 
 
 @cache
-def modules() -> list[tuple[str, ast.AST]]:
+def modules() -> list[tuple[str, list[ast.AST]]]:
+    """Return the name of each module with all that is written in it."""
     paths = (ROOT / "eddi_scaffold").rglob("*.py")
-    return [(str(path.relative_to(ROOT)), ast.parse(path.read_text("utf-8"))) for path in paths]
+    trees = ((str(path.relative_to(ROOT)), ast.parse(path.read_text("utf-8"))) for path in paths)
+    return [(path, [*ast.walk(tree)]) for path, tree in trees]
 
 
-def named_in(node: ast.AST) -> Iterator[str]:
-    for part in ast.walk(node):
+def named_in(parts: Iterable[ast.AST]) -> Iterator[str]:
+    for part in parts:
         if isinstance(part, ast.Constant) and NAME.fullmatch(str(part.value)):
             yield part.value
 
 
-def calls(tree: ast.AST) -> Iterator[tuple[ast.Call, str]]:
+def calls(nodes: Iterable[ast.AST]) -> Iterator[tuple[ast.Call, str]]:
     """Yield each call that names a case with which something is reported."""
-    for call in ast.walk(tree):
+    for call in nodes:
         if isinstance(call, ast.Call) and call.args:
             function = getattr(call.func, "attr", getattr(call.func, "id", ""))
             if function in REPORTERS and isinstance(call.args[0], ast.Constant | ast.IfExp):
-                yield from ((call, name) for name in named_in(call.args[0]))
+                yield from ((call, name) for name in named_in(ast.walk(call.args[0])))
 
 
 def fields_of(name: str) -> set[str]:
@@ -53,8 +55,8 @@ def fields_of(name: str) -> set[str]:
 
 def test_a_call_gives_the_fields_of_its_case() -> None:
     wrong = []
-    for path, tree in modules():
-        for call, name in calls(tree):
+    for path, nodes in modules():
+        for call, name in calls(nodes):
             if name not in CASES:
                 wrong.append(f"{path}:{call.lineno}: there is no case {name}")
                 continue
@@ -70,11 +72,11 @@ def test_a_call_gives_the_fields_of_its_case() -> None:
 def test_each_case_is_used() -> None:
     used: set[str] = set()
     codes: dict[str, set[str]] = defaultdict(set)
-    for path, tree in modules():
-        for name in named_in(tree):
+    for path, nodes in modules():
+        for name in named_in(nodes):
             used.add(name)
             codes[name.partition(".")[0]].add(path)
-        for text in ast.walk(tree):  # f"{code}.encoding": the code comes from the caller
+        for text in nodes:  # f"{code}.encoding": the code comes from the caller
             if isinstance(text, ast.JoinedStr) and isinstance(text.values[-1], ast.Constant):
                 case = text.values[-1].value
                 if SHARED.fullmatch(case) and len(text.values) == 2:

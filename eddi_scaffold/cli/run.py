@@ -1,12 +1,12 @@
-"""``eddi-scaffold run``: monitors on recorded inputs, without ROS and without generation."""
+"""``eddi-scaffold run``: monitors and packages on recorded inputs, without ROS."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -16,11 +16,8 @@ from eddi_scaffold.common.files import read_source, refuse_input
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 
 if TYPE_CHECKING:
-    from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.monitors.config_reading import RobotAdditions
-    from eddi_scaffold.packages.running import Packaged
-    from eddi_scaffold.recordings.csv_recording import Recording
-    from eddi_scaffold.recordings.playing import Playback
+    from eddi_scaffold.recordings.members import Member
 
 
 CHECKED_BY_BAG = {"K039"}
@@ -32,6 +29,8 @@ def run(
     inputs: Path | None = None,
     bag: Path | None = None,
     config: list[Path] | None = None,
+    workspace: Path | None = None,
+    no_code: bool = False,
     name: str | None = None,
     system: Path | None = None,
     models: Path | None = None,
@@ -48,95 +47,121 @@ def run(
     Example: eddi-scaffold run two_conserts.xml -c consert_a_config.yml --inputs recording.csv
 
     Args:
-        files: EDDI XML, a model file of a kind, configurations that name their models, or the
-            folder of a generated package, whose hand-written code is executed then.
-        inputs: CSV with a column t and one per input that no other monitor here gives.
+        files: EDDI XML, a model file of a kind, configurations that name their models, a
+            deployment.yml, or folders of packages, whose hand-written code is executed.
+        inputs: CSV with a column t and one per input that no other monitor here gives, called by
+            the input, `monitor.input` or `/topic`.
         bag: ROS 1 or 2 bag with the topics of the configurations.
         config: eddi_config.yml: ages, defaults, units; may be repeated.
+        workspace: Workspace or output folder: its packages run, or of them those of the files.
+        name: Which model of the file, or robot of a deployment.yml.
+        no_code: Leave out the code of packages.
         steps_as: As the node would, by mode and frequency, or one for each row.
         as_csv: Print every step as CSV: t and each value.
         plot: SVG to draw into: inputs and outputs; of several monitors, their verdicts.
     """
-    from eddi_scaffold.connect.robot import robot_models
-    from eddi_scaffold.packages.assembly import monitors_of, only
+    from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.recordings.playing import ROWS, of_messages, of_values, play, step_rule
+    from eddi_scaffold.recordings.bags import read_bag
+    from eddi_scaffold.recordings.members import read_values
+    from eddi_scaffold.recordings.playing import ROWS, play, played, raising
     from eddi_scaffold.recordings.results import changes, picture, steps, table
 
     if (as_json and as_csv) or (inputs is None) == (bag is None):
         raise EddiError(problem("G000.formats" if as_json and as_csv else "G000.one_recording"))
-    package = _package(files or [], (config, name, default_guarantee, system, models))
-    monitors = [package.monitor] if package is not None else []
-    configs: list[Path] = []
-    problems: Sequence[Problem] = ()
-    if package is None:
-        with robot_models(system, models) as (robot, unsure):
-            model_files, configs = _models_and_configs(files or [], config or [], robot)
-            marks = default_guarantee or ()
-            monitors, problems = monitors_of(model_files, configs, name, marks, robot)
-        problems = [*unsure, *problems, *_unused_lines(monitors, configs)]
-    if not configs:
-        only(monitors)
-    if as_csv and len(monitors) > 1:
-        names = ", ".join(monitor.model.name for monitor in monitors)
+    options = {
+        "--config": config or [], "--name": name, "--default-guarantee": default_guarantee or (),
+        "--system": system, "--models": models,
+    }  # fmt: skip
+    members, problems = _members(files or [], workspace, options, code=not no_code)
+    if as_csv and len(members) > 1:
+        names = ", ".join(member.name for member in members)
         raise EddiError(problem("G000.one_monitor", one_only="--csv", names=names))
+    without = any(member.monitor.config is None for member in members)
     if inputs is not None:
-        recording, more = _from_csv(monitors, inputs, package, configs)
+        beside = [path for path in (*(files or []), *(config or [])) if path.is_file()]
+        others = partial(inputs_of_others, beside)
+        members, recording, more = read_values(read_source(inputs), members, others)
+        if without:
+            hint = "generate the package with -c" if members[0].code else "give it with -c"
+            more = [*more, problem("I016", hint=hint)]
     elif bag is not None:
-        recording, more = _from_bag(monitors, bag, package)
+        if without:
+            raise EddiError(problem("G000.bag"))
+        recording, more = read_bag(bag, members)
         problems = [problem for problem in problems if problem.code not in CHECKED_BY_BAG]
+    by_hand = [of for member in members for of in member.unknown_without_code]
+    if by_hand:
+        more = [*more, problem("I014.by_hand", by_hand=", ".join(by_hand))]
     console.problems([*problems, *more])
+    executed = [member.name for member in members if member.code is not None]
+    if executed or (workspace is not None and not no_code):
+        names = ", ".join(executed) or "no package"
+        console.say(f"with the code of {names}; --no-code leaves it out")
     if plot is not None:
         refuse_input(plot)  # before anything is printed
-    rules = [ROWS if steps_as == "rows" else step_rule(monitor) for monitor in monitors]
-
-    def played() -> Playback:
-        if bag is not None:
-            node = None if package is None else package.from_messages()
-            return play(of_messages(monitors, rules, node), recording)
-        node = None if package is None else package.from_values()
-        return play(of_values(monitors, rules, node), recording)
-
-    playback = played()
-    if package is not None:
-        playback = package.raising(playback, lambda p: console.problems([p], summary=False))
+    rule = ROWS if steps_as == "rows" else None
+    playback = play(played(members, rule), recording)
+    playback = raising(playback, lambda p: console.problems([p], summary=False))
     lines = (
         map(json.dumps, steps(playback)) if as_json else (table if as_csv else changes)(playback)
     )
     for line in lines:
         console.data(line)
     if plot is not None:
-        title = f"{monitors[0].kind.title} {monitors[0].model.name}"
-        title = title if len(monitors) == 1 else f"{len(monitors)} monitors, their verdicts"
-        write(plot.parent, {plot.name: FileState(picture(title, played()).encode())})
+        first = members[0].monitor
+        title = f"{first.kind.title} {first.model.name}"
+        title = title if len(members) == 1 else f"{len(members)} monitors, their verdicts"
+        svg = picture(title, play(played(members, rule), recording))
+        write(plot.parent, {plot.name: FileState(svg.encode())})
 
 
-def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None:
-    """Return the package that is named in place of a model; its code is executed."""
-    from eddi_scaffold.packages.rendering import ANSWERS_FILE
+def _members(
+    files: Sequence[Path], workspace: Path | None, options: Mapping[str, Any], *, code: bool
+) -> tuple[list[Member], list[Problem]]:
+    """Return what is to be played, and warnings."""
+    from eddi_scaffold.config.deployment_file import is_fleet
+    from eddi_scaffold.connect.robot import robot_models
+    from eddi_scaffold.packages.assembly import monitors_of, only
+    from eddi_scaffold.packages.running import check_together, packages_in
 
-    folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
-    if folder is None:
-        inside = [file for path in files for file in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
-        if inside:
-            place = Place(str(inside[0].parent.parent))
-            names = " or ".join(str(answers.parent) for answers in inside)
-            raise EddiError(problem("G000.folder_of_packages", place, inside=names))
-        return None
-    if len(files) > 1 or any(others):
-        raise EddiError(problem("G000.package", Place(str(folder))))
-    from eddi_scaffold.packages.running import load
+    config, name, marks, system, models = options.values()
+    others = ", ".join(option for option, value in options.items() if value)
+    folders, places = [path for path in files if path.is_dir()], [workspace] if workspace else []
+    problems: Sequence[Problem] = ()
+    if folders or (workspace and not files and not config):
+        place = Place(str((folders or places)[0]))
+        if len(folders) < len(files) or others or (folders and workspace):
+            raise EddiError(problem("G000.package", place))
+        members = packages_in(folders or places, code=code).members()
+        if not members:
+            raise EddiError(problem("U001.nothing_here", place))
+    else:
+        packages = packages_in(places, code=code)
+        source = read_source(files[0]) if len(files) == 1 else None
+        if source is not None and is_fleet(source):
+            if others not in ("", "--name"):
+                raise EddiError(problem("G000.deployment", others=others))
+            members, problems = packages.with_robots(source, name)
+        else:
+            with robot_models(system, models) as (robot, unsure):
+                model_files, configs = _models_and_configs(files, config, robot)
+                monitors, problems = monitors_of(model_files, configs, name, marks, robot)
+            if not configs:
+                only(monitors)
+            members = packages.with_monitors(monitors)
+            problems = [*unsure, *problems, *_unused_lines(members, configs)]
+    check_together(members)
+    return members, [*problems]
 
-    return load(folder)
 
-
-def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> Iterator[Problem]:
+def _unused_lines(members: Sequence[Member], configs: Sequence[Path]) -> Iterator[Problem]:
     """Warn of hand-written lines in the packages of these monitors (I014)."""
     from eddi_scaffold.packages.handwritten import packages_of, written
 
     folders = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
-    for monitor in monitors if configs else ():
-        for package in packages_of(monitor.package, folders):
+    for member in members if configs else ():
+        for package in packages_of(member.monitor.package, folders) if not member.code else ():
             lines = ", ".join(written(package))
             if lines:
                 yield problem("I014.lines", Place(str(package)), lines=lines)
@@ -162,39 +187,3 @@ def _models_and_configs(
             place = Place(str(path))
             raise EddiError(problem("F003.configuration_without_model", place, path=path))
     return models, [*configs, *(path for path in sources if path not in models)]
-
-
-def _from_csv(
-    monitors: Sequence[BoundMonitor],
-    path: Path,
-    package: Packaged | None,
-    configs: Sequence[Path],
-) -> tuple[Recording, Sequence[Problem]]:
-    from eddi_scaffold.monitors.survey import inputs_of_others
-    from eddi_scaffold.recordings.csv_recording import read_recording
-    from eddi_scaffold.recordings.playing import columns, more_than_all
-
-    others = partial(inputs_of_others, configs)
-    recording, problems = read_recording(read_source(path), columns(monitors), others)
-    problems += more_than_all(monitors, recording, str(path))
-    if any(monitor.config is None for monitor in monitors):
-        hint = "give it with -c" if package is None else "generate the package with -c"
-        problems.append(problem("I016", hint=hint))
-    return recording, [*problems, *(package.out_of_reach() if package is not None else ())]
-
-
-def _from_bag(
-    monitors: Sequence[BoundMonitor], path: Path, package: Packaged | None
-) -> tuple[Recording, Sequence[Problem]]:
-    from eddi_scaffold.recordings.bags import read_bag
-    from eddi_scaffold.recordings.playing import published
-
-    if any(monitor.config is None for monitor in monitors):
-        raise EddiError(problem("G000.bag"))
-    recording, problems = read_bag(path, monitors, published(monitors))
-    for monitor in monitors if package is None else ():
-        # Values that only code of a person gives stay unknown here.
-        by_hand = [b.model.id for b in monitor.inputs if b.requires and not b.is_given]
-        if by_hand:
-            problems.append(problem("I014.by_hand", by_hand=", ".join(by_hand)))
-    return recording, problems

@@ -121,10 +121,10 @@ class InputBinding:
             claims=self.claims,
         )
 
-    def by_value(self) -> InputBinding:
+    def by_value(self, topic: str = "") -> InputBinding:
         """Return it where the value itself is given, in place of messages."""
         name = self.model.id
-        source = SimulatorOutput.model_construct(id=name, type="", topic="", max_age=None)
+        source = SimulatorOutput.model_construct(id=name, type="", topic=topic, max_age=None)
         direct = replace(self, requires=(source,), arguments=(self.attribute,))
         return replace(direct, expression=self.attribute, computed=None, key_paths={}, reads=None)
 

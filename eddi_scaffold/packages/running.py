@@ -1,164 +1,152 @@
-"""A generated package made ready to be played, with the lines that people wrote in it.
+"""Packages made ready to be played, with the lines that people wrote in them.
 
-Loading one **executes its code**, as its node does: only for a folder that a person names for it.
+Loading the code of one **executes it**, as its node does: only of what a person names for it.
 """
 
 from __future__ import annotations
 
 import importlib
-import re
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.plain_values import one_line
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.identifiers import is_package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.config.field_types import python_type
-from eddi_scaffold.config.file import ConfigFile, from_json
-from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.kinds import Model, ModelInput, kinds
+from eddi_scaffold.common.problems import (
+    EddiError,
+    Place,
+    Problem,
+    did_you_mean,
+    has_errors,
+    problem,
+)
+from eddi_scaffold.deployments.fleet_checks import sites_of
+from eddi_scaffold.deployments.support import check_rings, wired
+from eddi_scaffold.deployments.topics import Deployment, check_topics
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.compiling import CompiledModule, MonitorFacts
-from eddi_scaffold.monitors.compiling import from_json as facts_of
-from eddi_scaffold.monitors.input_binding import InputBinding, fits
-from eddi_scaffold.monitors.message_types import known_messages
+from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.handwritten import written
-from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.recordings.node import Message, Received, ReplayedNode, Step, blank
-from eddi_scaffold.recordings.playing import Playback, Running
-
-_CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')  # a line of a traceback
+from eddi_scaffold.packages.upgrading import groups, monitor_of_text
+from eddi_scaffold.recordings.members import Code, Member
 
 
 @dataclass(frozen=True)
-class Packaged:
-    """A package whose code has been loaded."""
+class Packages:
+    """Packages of monitors, none of which is loaded yet."""
 
-    monitor: BoundMonitor  # as far as the package remembers it
-    by_hand: frozenset[str]  # ids of the inputs that hand-written lines make of their messages
-    new: Callable[[], tuple[Any, Any]]  # makes an `EDDIMonitor` and an `EDDIInput`
-    folder: Path  # as it was named
+    # folder -> its robot, empty where there is one only, and its answers
+    folders: Mapping[Path, tuple[str, Mapping[str, Any]]]
+    code: bool  # whether their code runs
 
-    def from_messages(self) -> Running:
-        """Return its monitor, and a node that is given messages."""
-        eddi_monitor, eddi_input = self.new()
-        return _running(eddi_monitor, eddi_input)
-
-    def from_values(self) -> Running:
-        """Return its monitor, and a node whose inputs are given values.
-
-        Hand-written lines get a message with the value where one has room for nothing else.
-        """
-        eddi_monitor, eddi_input = self.new()
-        if not hasattr(eddi_input, "begin_step"):  # of the D7.2 tools: it takes messages alone
-            eddi_input = EDDIInputBase()
-        updates = [(b.model, self._process(b, eddi_input)) for b in self.monitor.inputs]
-
-        def processing(values: Mapping[str, Any]) -> None:
-            for model, process in updates:
-                update = eddi_input.update_each if model.every_message else eddi_input.update
-                update(model.id, process, values, [model.id])
-            eddi_input.processed(values)
-
-        eddi_input.processing = processing
-        return _running(eddi_monitor, eddi_input)
-
-    def _process(self, binding: InputBinding, eddi_input: Any) -> Callable[[Any], None]:
-        name = binding.attribute
-        message_for = _message_for(binding)
-        process = getattr(eddi_input, f"process_{name}", None)  # none in a class of the D7.2 tools
-        if binding.model.id not in self.by_hand or message_for is None or process is None:
-            return lambda value: setattr(eddi_input, name, value)
-        return lambda value: process(message_for(value))
-
-    def out_of_reach(self) -> Iterator[Problem]:
-        """Warn of hand-written lines that a CSV file cannot reach (I001)."""
-        ids = [
-            binding.model.id
-            for binding in self.monitor.inputs
-            if binding.model.id in self.by_hand and _message_for(binding) is None
+    def members(self) -> list[Member]:
+        """Return the monitors of all; with several robots each in the namespace of its name."""
+        return [
+            replace(self._loaded(folder), namespace=f"/{robot}" if robot else "")
+            for folder, (robot, _) in self.folders.items()
         ]
-        if ids:
-            message = f"a CSV file has no messages for the hand-written lines of {', '.join(ids)}"
-            yield problem("I001.bodies", message=message)
 
-    def raising(self, play: Playback, report: Callable[[Problem], None]) -> Playback:
-        """Warn of the first exception of each hand-written method when it was raised (I014)."""
-        reported: set[str] = set()
-        root = self.folder.resolve()
-        for monitor, step in play:
-            for name in sorted(monitor.node.raised.keys() - reported):
-                reported.add(name)
-                reason, traceback = monitor.node.raised[name]
-                place = Place(str(self.folder))
-                for path, line in _CALL.findall(traceback):
-                    if Path(path).is_relative_to(root):  # the last one of its own
-                        place = Place(str(self.folder / Path(path).relative_to(root)), int(line))
-                report(problem("I014.raises", place, name=name, time=step.t, reason=reason))
-            yield monitor, step
+    def with_monitors(
+        self, monitors: Sequence[BoundMonitor], robot: str = "", namespace: str = ""
+    ) -> list[Member]:
+        """Return monitors in the namespace of a robot, those of which there is a package as it is.
 
+        Raises:
+            EddiError: one cannot be run (I020).
+        """
+        known = {folder.name: folder for folder, (of, _) in self.folders.items() if of == robot}
+        members = []
+        for monitor in monitors:
+            folder = known.get(monitor.package)
+            member = Member(monitor) if folder is None else self._loaded(folder)
+            members.append(replace(member, namespace=namespace))
+        return members
 
-class _HandwrittenNode(ReplayedNode):
-    """A node of hand-written code, which may print: data are ours alone."""
+    def with_robots(
+        self, source: Source, name: str | None = None
+    ) -> tuple[list[Member], list[Problem]]:
+        """Return the same for the robots of a deployment file, or for one, and warnings.
 
-    def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Step:
-        with redirect_stdout(sys.stderr):
-            return super().step(t, messages, clock)
+        Raises:
+            EddiError: it, or what it names, has errors, or has no robot of this name (F005).
+        """
+        sites, problems = sites_of(source, checked_models)
+        names = [site.name for site in sites]
+        if name is not None and name not in names:
+            hint = did_you_mean(name, names) or f"there are: {', '.join(names)}"
+            raise EddiError(
+                problem("F005", Place(source.name), hint=hint, kind=f"no robot {name!r}")
+            )
+        return [
+            member
+            for site in sites
+            if name in (None, site.name)
+            for member in self.with_monitors(site.monitors, site.name, site.robot.form.prefix)
+        ], problems
 
-
-def _running(eddi_monitor: Any, eddi_input: Any) -> Running:
-    node = _HandwrittenNode(eddi_input, eddi_monitor.monitor, eddi_monitor.execute_step)
-    return eddi_monitor.monitor, node
-
-
-def _message_for(binding: InputBinding) -> Callable[[Any], Any] | None:
-    """Return what makes the one message of a value, ``None`` where that cannot be done."""
-    if len(binding.requires) != 1:
-        return None
-    message_type = binding.requires[0].type
-    if not message_type:  # a plain package: the value itself
-        return lambda value: value
-    fields = known_messages().get(message_type, {})
-    if len(fields) != 1:
-        return None
-    ((field, type_),) = fields.items()
-    if not fits(python_type(type_), binding.model.type):
-        return None
-    return lambda value: Message(**{**vars(blank(message_type)), field: value})
+    def _loaded(self, folder: Path) -> Member:
+        return load(folder, self.folders[folder][1], code=self.code)
 
 
-def load(folder: Path) -> Packaged:
-    """Load the code of a package; EddiError I020 if it is none, or its code cannot be loaded."""
+def packages_in(places: Sequence[Path], *, code: bool = True) -> Packages:
+    """Find packages: in workspaces, in folders with those of several robots, or the folders.
+
+    Raises:
+        EddiError: there are none (U001), or the answers of one are damaged (T005).
+    """
+    folders = {}
+    for place in places:
+        for group in groups(place.resolve() if place.is_symlink() else place, ()):
+            for name, answers in group.present.items():
+                if "facts_json" in answers:
+                    folders[group.root / name] = group.robot, answers
+    return Packages(folders, code)
+
+
+def check_together(members: Sequence[Member]) -> None:
+    """Refuse members that nobody could play together.
+
+    Raises:
+        EddiError: two have one name (G004), claims rest on themselves (D003), or two publish one
+            topic (D005).
+    """
+    monitors = [wired(m.monitor, m.namespace) for m in members if m.monitor.config is not None]
+    problems = [*check_rings(monitors), *check_topics(Deployment(monitors))]
+    first: dict[str, Member] = {}
+    for member in members:
+        if (other := first.setdefault(member.name, member)) is not member:
+            both = f"{other.monitor.model.name!r} and {member.monitor.model.name!r}"
+            problems.append(problem("G004.same_package", both=both, package=member.name))
+    if has_errors(problems):
+        raise EddiError(*problems)
+
+
+def load(folder: Path, answers: Mapping[str, Any], *, code: bool = True) -> Member:
+    """Return the monitor of a package; EddiError I020 if it is none, or its code does not run."""
     place = Place(str(folder))
-    answers = read_answers(folder) or {}
+    rejoined = monitor_of_text(folder, answers)
+    if rejoined is None:
+        raise EddiError(problem("I020.package", place))
+    monitor, _ = rejoined
+    if not code:
+        return Member(monitor)
     try:
-        name = answers["package"]
-        config = from_json(answers["config_json"], str(folder)) if answers["config_json"] else None
-        edited = set(written(folder))
-        facts = facts_of(answers["facts_json"])
-        by_hand = frozenset(i.id for i in facts.inputs if f"process_{i.attribute}" in edited)
-        monitor = _remembered(folder, answers, config, facts, by_hand)
-    except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
-        raise EddiError(problem("I020.package", place, answers=ANSWERS_FILE)) from None
-    if not isinstance(name, str) or not is_package_name(name):
-        raise EddiError(problem("I020.name", place, name=name))
-    try:
-        new = _imported(folder.resolve(), name)
+        new = _imported(folder.resolve(), monitor)
         new()
     except Exception as failure:  # noqa: BLE001 - whatever hand-written code raises
         raise EddiError(problem("I020.code", place, reason=one_line(failure))) from None
-    return Packaged(monitor, by_hand, new, folder)
+    edited = set(written(folder))
+    by_hand = {b.model.id for b in monitor.inputs if f"process_{b.attribute}" in edited}
+    return Member(monitor, code=Code(folder, frozenset(by_hand), new))
 
 
-def _imported(folder: Path, name: str) -> Callable[[], tuple[Any, Any]]:
-    """Import the package as its node or a program would, and leave no file behind."""
+def _imported(folder: Path, monitor: BoundMonitor) -> Callable[[], tuple[Any, Any]]:
+    """Import a package as its node or a program would, and leave no file behind."""
+    name = monitor.package
     for place in (folder / "src", folder):
         if (place / name / "EDDIMonitor.py").is_file():
             break
@@ -175,34 +163,12 @@ def _imported(folder: Path, name: str) -> Callable[[], tuple[Any, Any]]:
     finally:
         sys.path.remove(str(place))
         sys.dont_write_bytecode = before
+    # A plain package has a runtime of its own, which must be one with that of the others.
+    for part in vars(sys.modules[f"{name}.compiled"]).values():
+        if isinstance(part, ModuleType) and hasattr(part, "FORMAT"):
+            own = importlib.import_module(part.__name__.removeprefix(f"{name}."))
+            if part.FORMAT != own.FORMAT:
+                raise ImportError("its runtime has another format: run `eddi-scaffold upgrade`")
+    if monitor_class().monitor.digest != monitor.facts.digest:
+        raise ImportError("its compiled.py is of another model: run `eddi-scaffold upgrade`")
     return lambda: (monitor_class(), input_class())
-
-
-def _remembered(
-    folder: Path,
-    answers: Mapping[str, Any],
-    config: ConfigFile | None,
-    facts: MonitorFacts,
-    by_hand: frozenset[str],
-) -> BoundMonitor:
-    """Return a monitor as its package remembers it: without the elements of its model."""
-    types = {input_["attribute"]: input_["type"] for input_ in answers["inputs"]}
-    sources = {s.id: s for s in config.config.SimulatorOutputs} if config is not None else {}
-    inputs = []
-    for entry in facts.inputs:
-        own = SimulatorOutput.model_construct(id=entry.id, type="", topic="", max_age=None)
-        inputs.append(
-            InputBinding(
-                ModelInput(entry.id, types[entry.attribute], every_message=entry.every_message),
-                entry.attribute,
-                tuple(sources[name] for name in entry.requires) if sources else (own,),
-                expression=None if entry.id in by_hand else "",
-                max_age=entry.max_age,
-                reads=None if entry.id in by_hand else entry.reads,
-            )
-        )
-    kind = kinds()[answers["kind"]]
-    model = Model(facts.id, Source(str(folder / ANSWERS_FILE), b""), Place(str(folder)))
-    compiled = CompiledModule(answers["compiled"])
-    joined = (answers["package"], model, kind, config, tuple(inputs), compiled, facts, model)
-    return BoundMonitor(*joined)

@@ -38,6 +38,8 @@ from eddi_scaffold.packages.workspace import (
 )
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
 
+Rejoined = tuple[BoundMonitor, list[Problem]]  # a monitor, and what is wrong with it
+
 
 @dataclass(frozen=True)
 class PackageGroup:
@@ -170,11 +172,12 @@ def targets(
         newer, model_problems = _newer_models(group, path, configs)
         models |= newer
         problems += model_problems
-    remade: dict[str, tuple[BoundMonitor, list[Problem]]] = {}
+    remade: dict[str, Rejoined] = {}
     for folder, answers in group.present.items():
         is_old = "compiled" in answers and answers["generator_version"] != __version__
         if folder not in models and (paths[folder] is None if folder in paths else is_old):
-            remade |= _of_own_text(group, folder)
+            made_anew = monitor_of_text(group.root / folder, answers)
+            remade |= {folder: made_anew} if made_anew is not None else {}
     for folder, config in configs.items():
         if folder in remade:
             models[folder] = remade[folder][0].unconfigured
@@ -214,7 +217,7 @@ def rejoined(
     present: Mapping[str, Mapping[str, Any]],
     models: Mapping[str, Model],
     configs: Mapping[str, ConfigFile],
-) -> dict[str, tuple[BoundMonitor, list[Problem]]]:
+) -> dict[str, Rejoined]:
     """Join newer models with the configurations that packages remember, or with newer ones.
 
     All are by package; a model that no longer fits is an EddiError.
@@ -238,21 +241,22 @@ def rejoined(
     return monitors
 
 
-def _of_own_text(group: PackageGroup, folder: str) -> dict[str, tuple[BoundMonitor, list[Problem]]]:
-    """Return the monitor of a package, made anew of the model that is in it as text, by its folder.
+def monitor_of_text(package: Path, answers: Mapping[str, Any]) -> Rejoined | None:
+    """Return the monitor of a package, made anew of the model that is in it as text, and problems.
 
     Nothing where the text is gone, or is not what the package was made of: its digest tells.
     """
-    package, answers = group.root / folder, group.present[folder]
     facts = facts_of(answers["facts_json"])
     with suppress(EddiError):
         source = read_source(next_to(str(package / ANSWERS_FILE), answers["model_text"]))
         reading = kinds()[facts.kind].model_class.read_file(source, ())
         model = complete_reading(source, reading).models[0].named(facts.id)
-        monitor, problems = rejoined({folder: answers}, {folder: model}, {})[folder]
+        ((monitor, problems),) = rejoined(
+            {package.name: answers}, {package.name: model}, {}
+        ).values()
         if monitor.facts.digest == facts.digest:
-            return {folder: (monitor, problems)}
-    return {}
+            return monitor, problems
+    return None
 
 
 def _with_origin(monitor: BoundMonitor, before: MonitorFacts) -> BoundMonitor:

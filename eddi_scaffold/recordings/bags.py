@@ -6,7 +6,7 @@ Needs the extra ``bags`` (rosbags), and no ROS.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from operator import attrgetter
@@ -24,11 +24,12 @@ from eddi_scaffold.common.problems import (
 )
 from eddi_scaffold.config.field_types import EITHER_TIMES, TIMES, Fields, MessageFields
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.kinds import Model, texts_of_messages
+from eddi_scaffold.kinds import texts_of_messages
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
+from eddi_scaffold.recordings.members import Member, published
 
 _NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
 """Packages of the messages that monitors publish, and those of ROS about itself."""
@@ -51,18 +52,14 @@ def type_of(connection: Any) -> str:
     return str(connection.msgtype).replace("/msg/", "/")
 
 
-def read_bag(
-    path: Path, monitors: Sequence[BoundMonitor], own: Collection[str] = ()
-) -> tuple[Recording, list[Problem]]:
-    """Read the messages that monitors listen to.
+def read_bag(path: Path, members: Sequence[Member]) -> tuple[Recording, list[Problem]]:
+    """Read the messages that monitors listen to; not those that one of them publishes itself.
 
     Times are nanoseconds since the first message of the bag, of any topic.
 
     Args:
         path: a ROS 1 bag, or the folder (or single `.mcap` file) of a ROS 2 bag.
-        monitors: they have configurations.
-        own: topics that one of the monitors publishes itself: what was recorded of them is not
-            played.
+        members: they have configurations.
 
     Returns:
         The messages, and warnings.
@@ -74,18 +71,19 @@ def read_bag(
     """
     place = Place(str(path))
     listeners: dict[str, list[tuple[BoundMonitor, SimulatorOutput]]] = {}
-    for monitor in monitors:
-        requirements = (r for binding in monitor.inputs for r in binding.requires)
+    for member in members:
+        requirements = (r for binding in member.monitor.inputs for r in binding.requires)
         for source in {requirement.id: requirement for requirement in requirements}.values():
-            listeners.setdefault(monitor.topic(source.topic), []).append((monitor, source))
+            listeners.setdefault(member.topic(source.topic), []).append((member.monitor, source))
+    own = published(members)
     outside = {topic: who for topic, who in listeners.items() if topic not in own}
-    with opened(path, monitors) as bag:
+    with opened(path, [member.monitor for member in members]) as bag:
         connections = [c for c in bag.connections if topic_of(c) in outside]
         types = _types_of(bag, connections)
         errors = list(_wrong_types(connections, outside))
-        for monitor in monitors:
-            if type(monitor.model) is not Model:  # a package says itself what its code lacks
-                errors += _misfits(monitor, types)
+        for member in members:
+            if member.code is None:  # which tells itself what it lacks
+                errors += _misfits(member.monitor, types)
         if errors:
             raise EddiError(*errors)
         for connection in connections:
@@ -285,5 +283,5 @@ def _absent(place: Place, topics: Mapping[str, str], listeners: Listeners) -> It
         similar = most_similar(topic, same_type) or most_similar(topic, topics)
         hints += [f"the bag has {similar} ({topics[similar]})"] if similar else []
     hint = ", ".join(dict.fromkeys(hints)) or None
-    names = ", ".join(source.topic for source in lacking.values())
+    names = ", ".join(lacking)
     yield problem("I004.no_message", place, hint=hint, lacking=names)

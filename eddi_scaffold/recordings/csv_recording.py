@@ -133,6 +133,13 @@ def read_rows(
     return (None if has_errors(problems) else rows), problems
 
 
+def header_of(source: Source) -> Sequence[str]:
+    """Return the names of the columns; none of a damaged file: reading it reports what is wrong."""
+    lines = filter(str.strip, source.text("I001").split("\n"))
+    cells = _Reader(source.name, {}, dict).cells(1, next(lines, "").removesuffix("\r"))
+    return [cell.text for cell in cells or ()]
+
+
 class _Cell(NamedTuple):
     text: str
     col: int
@@ -179,7 +186,7 @@ class _Reader:
 
     def _columns(self, number: int, line: str) -> tuple[str, ...]:
         """Return the names of the columns; the first ``t`` is the time, also if an input is t."""
-        cells = self._cells(number, line) or []
+        cells = self.cells(number, line) or []
         names = tuple(cell.text for cell in cells)
         mark = next((mark for mark in _OTHER_MARKS if mark in line), "")
         if len(names) == 1 and mark:
@@ -214,7 +221,7 @@ class _Reader:
         return names
 
     def _row(self, number: int, line: str, columns: Sequence[str], last: float) -> Row | None:
-        cells = self._cells(number, line)
+        cells = self.cells(number, line)
         if cells is None:
             return None
         if len(cells) != len(columns):
@@ -250,7 +257,7 @@ class _Reader:
             self._report("I006.cell", number, cell.col, hint=_hint(cell), **fields)
         return value
 
-    def _cells(self, number: int, line: str) -> list[_Cell] | None:
+    def cells(self, number: int, line: str) -> list[_Cell] | None:
         """Split a line at its commas; columns count from 1."""
         cells: list[_Cell] = []
         position = 0

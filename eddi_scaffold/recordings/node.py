@@ -7,9 +7,10 @@ by field: a tree that does not fit its ``.msg`` file is refused, as a node would
 from __future__ import annotations
 
 import ast
+import sys
 from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import suppress
+from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import cache
 from types import SimpleNamespace
@@ -17,11 +18,14 @@ from typing import Any, NamedTuple
 
 from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.history import EDDIInputBase
-from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.inputs import UNKNOWN_AGE, Word
 from eddi_runtime.monitor import Tree
 from eddi_runtime.node.pasted import understood
+from eddi_runtime.node.topics import Receipt
+from eddi_runtime.peers import Fleet, Peers
 from eddi_runtime.plain_values import by_id, by_key, by_name, follow, given, joined
 
+from eddi_scaffold.common.identifiers import full_topic
 from eddi_scaffold.config.field_paths import PlainStep, plain_step
 from eddi_scaffold.config.field_types import element, is_primitive
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -32,6 +36,8 @@ from eddi_scaffold.monitors.publications import Publication, publications
 Message = SimpleNamespace  # one attribute for each field, and `message_type`
 
 SECOND = 1_000_000_000  # nanoseconds
+WORDS = Fleet("", "", None, 0.0).words().id
+"""By which a node knows the messages between robots; they start no step."""
 _HELPERS: Mapping[str, Callable[..., Any]] = {
     called.__name__: called for called in (by_id, by_key, by_name, given, joined)
 }
@@ -109,14 +115,14 @@ class Channel(NamedTuple):
 class Publications:
     """The topics of one monitor, which has a configuration without errors."""
 
-    def __init__(self, monitor: BoundMonitor) -> None:
+    def __init__(self, monitor: BoundMonitor, namespace: str = "") -> None:
         assert monitor.config is not None
         outputs, problems = publications(monitor, monitor.config)
         assert not problems, problems
-        self.channels = [
-            Channel(monitor.topic(entry.output.topic), entry, [*map(plain_step, entry.path)])
-            for entry in outputs
-        ]
+        self.channels = []
+        for entry in outputs:
+            topic = full_topic(entry.output.topic, namespace, monitor.package)
+            self.channels.append(Channel(topic, entry, [*map(plain_step, entry.path)]))
 
     @property
     def topics(self) -> frozenset[str]:
@@ -168,27 +174,48 @@ class Step:
     output: Any  # what it gave
 
 
+Process = Callable[..., object]  # makes an attribute of messages
+
+
+def processing_of(
+    eddi_input: Any, bindings: Sequence[tuple[InputBinding, Process]]
+) -> Callable[..., None]:
+    """Return a ``processing`` that calls these for the inputs, as a generated one does."""
+    bound = []
+    for binding, process in bindings:
+        update = eddi_input.update
+        if binding.model.every_message:
+            update = eddi_input.update_each
+        elif binding.computed is not None:
+            update = eddi_input.update_expression
+        requires = [requirement.id for requirement in binding.requires]
+        bound.append((binding.model.id, update, process, requires))
+
+    def processing(simulator_outputs: Mapping[str, Any], _t_ns: int | None = None) -> None:
+        for id_, update, process, requires in bound:
+            update(id_, process, simulator_outputs, requires)
+        eddi_input.processed(simulator_outputs)
+
+    return processing
+
+
 class GivenInput(EDDIInputBase):
     """``EDDIInput`` of a package without hand-written lines."""
 
-    # Two underscores: an input may be called anything else.
-
     def __init__(self, bindings: Sequence[InputBinding]) -> None:
         super().__init__()
-        self.__bound = []
-        for binding in bindings:
-            update: Callable[..., None] = self.update
-            if binding.model.every_message:
-                update = self.update_each
-            elif binding.computed is not None:
-                update = self.update_expression
-            requires = [requirement.id for requirement in binding.requires]
-            self.__bound.append((binding.model.id, update, _process(self, binding), requires))
+        lines = [(binding, generated_lines(self, binding)) for binding in bindings]
+        self.processing = processing_of(self, lines)
 
-    def processing(self, simulator_outputs: Mapping[str, Any]) -> None:
-        """Update every input with the messages that are there."""
-        for id_, update, process, requires in self.__bound:
-            update(id_, process, simulator_outputs, requires)
+
+class _Words(Peers):
+    """What a node that is played tells other robots, and hears of them."""
+
+    def _echoed(self, message: Any) -> float:
+        # A recorded robot answered another run of this node: by its clock that was its last word.
+        if not isinstance(message, Message) and self._told:
+            return self._told[-1][1]
+        return super()._echoed(message)
 
 
 class ReplayedNode:
@@ -198,10 +225,15 @@ class ReplayedNode:
         eddi_input: an ``EDDIInput`` as a package has it: with a method ``processing``.
         running: the monitor; it should have been reset.
         step: what takes the place of ``running.execute_step``, where a package wraps it.
+        fleet: the robots among which it is one.
     """
 
     def __init__(
-        self, eddi_input: Any, running: RuntimeMonitor[Any], step: Callable[..., Any] | None = None
+        self,
+        eddi_input: Any,
+        running: RuntimeMonitor[Any],
+        step: Callable[..., Any] | None = None,
+        fleet: Fleet | None = None,
     ) -> None:
         self._running = running
         self._execute = step or running.execute_step
@@ -210,6 +242,10 @@ class ReplayedNode:
             setattr(self._eddi_input, spec.attribute, spec.default)
         self._eddi_input.bind(running.inputs)
         self._latest: dict[str, Received] = {}
+        self._words: _Words | None = None
+        if fleet is not None:
+            name = (fleet.robot, running.model_id, "replayed")
+            self._words = _Words(name, running.digest, fleet.lease, fleet.sources)
         # input id -> the first exception of its hand-written lines and its traceback
         self.raised: dict[str, tuple[str, str]] = {}
 
@@ -223,28 +259,45 @@ class ReplayedNode:
         """
         new: dict[str, list[Any]] = defaultdict(list)
         for message in messages:
-            self._latest[message.source] = message
+            if message.source != WORDS:
+                self._latest[message.source] = message
             new[message.source].append(message.message)
         now = t if clock is None else clock
+        latest = {name: last.message for name, last in self._latest.items()}
         ages = {
             name: UNKNOWN_AGE if message.latched else (t - message.t) / SECOND
             for name, message in self._latest.items()
         }
-        self._eddi_input.begin_step(ages, new, now)
-        self._eddi_input.processing({name: last.message for name, last in self._latest.items()})
-        self._eddi_input.end_step()
+        words: Mapping[str, Word] = {}
+        if self._words is not None:
+            receipts: dict[str, Receipt] = {}
+            words = self._words.take(receipts, new, t / SECOND)
+            ages |= {name: receipt.age_at(t / SECOND) for name, receipt in receipts.items()}
+            fit = (name for name in receipts if not words[name].unfit)
+            latest |= {name: receipts[name].message for name in fit}
+        with redirect_stdout(sys.stderr):  # hand-written code may print: data are ours alone
+            self._eddi_input.begin_step(ages, new, now, words or None)
+            self._eddi_input.processing(latest)
+            self._eddi_input.end_step()
+            output = self._execute(self._eddi_input, now)
         for name, state in self._eddi_input.states.items():
             if state.state == "invalid" and getattr(state, "detail", ""):
                 self.raised.setdefault(name, (state.reason, state.detail))
-        output = self._execute(self._eddi_input, now)
         values = {
             input_.id: getattr(self._eddi_input, input_.attribute, None)
             for input_ in self._running.inputs
         }
         return Step(t / SECOND, values, output)
 
+    def word(self, output: Any, t: int) -> Message | None:
+        """Return what it tells other robots after a step, ``None`` where it is alone."""
+        tree = self._running.message(output) if self._words is not None else None
+        if self._words is None or not isinstance(tree, tuple):
+            return None
+        return message_of(self._words.told(message_of(tree), self._running, t / SECOND))
 
-def _process(target: EDDIInputBase, binding: InputBinding) -> Callable[..., None]:
+
+def generated_lines(target: EDDIInputBase, binding: InputBinding) -> Process:
     """Return what ``process_<input>`` does in a package without hand-written lines."""
     if binding.computed is not None:
         name = binding.model.id

@@ -3,33 +3,38 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import deque
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
+from eddi_runtime.history import EDDIInputBase
+from eddi_runtime.peers import Fleet
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.kinds import InputType
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.recordings.csv_recording import Recording
+from eddi_scaffold.recordings.members import Member
 from eddi_scaffold.recordings.node import (
     SECOND,
+    WORDS,
     GivenInput,
+    Process,
     Publications,
     Received,
     ReplayedNode,
     Step,
+    generated_lines,
+    processing_of,
 )
 
 MAX_STEPS = 10_000_000
 """Eleven days at 10 Hz, some ten minutes of work: who asks for more has a slip in t."""
-_ALL = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
-"""Unit -> what all of something is in it; a ratio without a name may be more."""
-
-Running = tuple["RuntimeMonitor[Any]", ReplayedNode]  # A monitor that runs, and a node of it
+_CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')  # a line of a traceback
 
 
 @dataclass(frozen=True)
@@ -66,6 +71,8 @@ class PlayedMonitor:
     # id of a source -> the ages, in nanoseconds, that inputs allow it
     limits: Mapping[str, Collection[int]]
     publisher: Publications | None = None  # what others receive of it
+    words: str = ""  # topic on which it tells other robots, empty for none
+    folder: Path | None = None  # of its package, where the code in it runs
 
 
 def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
@@ -74,110 +81,80 @@ def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
     return running
 
 
-def published(monitors: Sequence[BoundMonitor]) -> frozenset[str]:
-    """Return the topics that monitors publish which are played together; of one alone, none."""
-    if len(monitors) < 2:
-        return frozenset()
-    return frozenset().union(*(Publications(m).topics for m in monitors))
+def played(members: Sequence[Member], rule: StepRule | None = None) -> list[PlayedMonitor]:
+    """Return members as they are played, publishers before those who listen to them.
 
-
-def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
-    """Return input -> type of those whose values a recording has: what no other monitor publishes.
-
-    Raises:
-        EddiError: inputs of one name are not the same in two monitors (G000).
+    Each steps as its node would, or all by a rule.
     """
-    shared = published(monitors)
-    owners: dict[str, tuple[str, object]] = {}
-    types: dict[str, InputType] = {}
-    for monitor in monitors:
-        for binding in monitor.inputs:
-            if _is_received(binding, monitor, shared):
-                continue
-            id_, type_ = binding.model.id, binding.model.type
-            topics = [monitor.topic(source.topic) for source in binding.requires]
-            meaning = (type_, binding.unit, binding.expression, binding.computed_text, topics)
-            first, same = owners.setdefault(id_, (monitor.id, meaning))
-            if same != meaning:
-                raise EddiError(problem("G000.one_column", id=id_, first=first, monitor=monitor.id))
-            types[id_] = type_
-    return types
-
-
-def more_than_all(
-    monitors: Sequence[BoundMonitor], recording: Recording, file: str
-) -> Iterator[Problem]:
-    """Warn of inputs that are more than all of what they are a part of (I006)."""
-    units = {input_.model.id: input_.unit for monitor in monitors for input_ in monitor.inputs}
-    reported = set()
-    for sample in recording.samples:
-        unit, value = units.get(sample.topic), sample.message
-        most = _ALL.get(unit or "", math.inf)
-        if sample.topic in reported or not isinstance(value, int | float) or not value > most:
-            continue
-        reported.add(sample.topic)
-        message = f"{sample.topic!r} is {value:g} {unit} at {sample.t / SECOND:.3f} s"
-        yield problem("I006.more_than_all", Place(file), message=message, most=most, unit=unit)
-
-
-def _is_received(binding: InputBinding, monitor: BoundMonitor, shared: Collection[str]) -> bool:
-    topics = [monitor.topic(source.topic) for source in binding.requires]
-    return bool(topics) and binding.is_given and all(topic in shared for topic in topics)
-
-
-def of_values(
-    monitors: Sequence[BoundMonitor], rules: Sequence[StepRule], running: Running | None = None
-) -> list[PlayedMonitor]:
-    """Return monitors that are given their ``columns``, and listen to each other.
-
-    A package may run the only one; without, it is what the package would be without hand-written
-    lines.
-    """
-    shared = published(monitors)
-    by_value = []
-    for monitor in monitors:
-        bindings = (b if _is_received(b, monitor, shared) else b.by_value() for b in monitor.inputs)
-        by_value.append(replace(monitor, inputs=tuple(bindings)))
-    return of_messages(by_value, rules, running)
-
-
-def of_messages(
-    monitors: Sequence[BoundMonitor], rules: Sequence[StepRule], running: Running | None = None
-) -> list[PlayedMonitor]:
-    """Return monitors that listen to topics, also to those of each other, in the order of steps."""
-    several = len(monitors) > 1
-    played = []
-    for monitor, rule in zip(monitors, rules, strict=True):
+    several = len(members) > 1
+    monitors = []
+    for member in members:
         sources: dict[str, dict[str, None]] = {}
         limits: dict[str, set[int]] = {}
-        for binding in monitor.inputs:
+        fleet = member.fleet
+        for binding in member.bindings:
             for source in binding.requires:
-                # a column has no message
-                topic = monitor.topic(source.topic) if source.type else source.id
-                sources.setdefault(topic, {})[source.id] = None
                 if isinstance(binding.max_age, int | float):
                     limits.setdefault(source.id, set()).add(round(binding.max_age * SECOND))
-        name = monitor.config.config.Model.id if several and monitor.config is not None else ""
-        publisher = Publications(monitor) if several else None
-        if running is None:
-            model = compiled(monitor)
-            own = model, ReplayedNode(GivenInput(monitor.inputs), model)
-        else:
-            own = running
-        topics = {topic: list(ids) for topic, ids in sources.items()}
-        played.append(PlayedMonitor(name, *own, rule, topics, limits, publisher))
-    return _in_order(played)
+                if fleet is None or source.peers is None:
+                    # a column has no message
+                    topic = member.topic(source.topic) if source.type else source.topic or source.id
+                    sources.setdefault(topic, {})[source.id] = None
+        if fleet is not None:
+            sources.setdefault(fleet.topic, {})[WORDS] = None
+        running, node = _started(member, fleet)
+        monitors.append(
+            PlayedMonitor(
+                member.name if several else "",
+                running,
+                node,
+                rule or step_rule(member.monitor),
+                {topic: list(ids) for topic, ids in sources.items()},
+                limits,
+                member.publications if several else None,
+                fleet.topic if fleet is not None else "",
+                member.code.folder if member.code is not None else None,
+            )
+        )
+    return _in_order(monitors)
+
+
+def _started(member: Member, fleet: Fleet | None) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
+    if member.code is None:
+        running = compiled(member.monitor)
+        return running, ReplayedNode(GivenInput(member.bindings), running, fleet=fleet)
+    eddi_monitor, eddi_input = member.code.new()
+    if member.columns:
+        if not hasattr(eddi_input, "begin_step"):  # of the D7.2 tools: it takes messages alone
+            eddi_input = EDDIInputBase()
+        pairs = zip(member.monitor.inputs, member.bindings, strict=True)
+        lines = [(here, _lines(member, binding, eddi_input)) for binding, here in pairs]
+        eddi_input.processing = processing_of(eddi_input, lines)
+    running = eddi_monitor.monitor
+    return running, ReplayedNode(eddi_input, running, eddi_monitor.execute_step, fleet)
+
+
+def _lines(member: Member, binding: InputBinding, eddi_input: Any) -> Process:
+    """Return what makes an input of its messages, or of its value; people write in the former."""
+    name = binding.attribute
+    process: Process | None = getattr(eddi_input, f"process_{name}", None)
+    if binding.model.id not in member.columns:
+        return process or generated_lines(eddi_input, binding)
+    make = member.message_for(binding)
+    if process is None or make is None or not member.is_by_hand(binding):
+        return lambda value: setattr(eddi_input, name, value)
+    return lambda value: process(make(value))
 
 
 def _in_order(monitors: Sequence[PlayedMonitor]) -> list[PlayedMonitor]:
     """Return publishers before those who listen to them, as far as no two listen to each other."""
     ordered: list[PlayedMonitor] = []
-    begun: set[str] = set()
+    begun: set[int] = set()
 
     def visit(monitor: PlayedMonitor) -> None:
-        if monitor.name in begun:
+        if id(monitor) in begun:
             return
-        begun.add(monitor.name)
+        begun.add(id(monitor))
         for other in monitors:
             if other.publisher is not None and other.publisher.topics & monitor.sources.keys():
                 visit(other)
@@ -300,6 +277,9 @@ class _Player:
             for topic, message in publisher.messages(monitor.running, step.output, self._topics):
                 self._deliver(topic, message, t, sender=number)
             self._tell(publisher, monitor.running, t)
+        word = monitor.node.word(step.output, t)
+        if word is not None:
+            self._deliver(monitor.words, word, t, sender=number)
         return step
 
     def _tell(self, publisher: Publications, running: RuntimeMonitor[Any], t: int) -> None:
@@ -319,5 +299,22 @@ class _Player:
             for source in monitor.sources.get(topic, ()):
                 self._inboxes[number].append(Received(t, source, message))
                 self._steps[number].received(t, source)
-                if number > sender:
+                if number > sender and source != WORDS:
                     self._steps[number].changed(t)
+
+
+def raising(play: Playback, report: Callable[[Problem], None]) -> Playback:
+    """Warn of the first exception of each hand-written method when it was raised (I014)."""
+    reported: set[tuple[Path, str]] = set()
+    for monitor, step in play:
+        for name, (reason, traceback) in sorted(monitor.node.raised.items()):
+            if (folder := monitor.folder) is None or (folder, name) in reported:
+                continue
+            reported.add((folder, name))
+            place = Place(str(folder))
+            for path, line in _CALL.findall(traceback):
+                if Path(path).is_relative_to(folder.resolve()):  # the last one of its own
+                    own = folder / Path(path).relative_to(folder.resolve())
+                    place = Place(str(own), int(line))
+            report(problem("I014.raises", place, name=name, time=step.t, reason=reason))
+        yield monitor, step

@@ -142,20 +142,6 @@ def test_a_chain_of_5_000_gates():
     assert made.explain("G").missing == (("f", "h"),)
 
 
-def test_loop_and_straight_line_agree():
-    majority = ("majority", 3)
-    plain = nested(), nested(filtered=majority)
-    loops = nested(limit=0), nested(limit=0, filtered=majority)
-    values = [None, True, False, "low", 5.0, 25, 30.0, float("nan"), object()]
-    for k in range(200):
-        names = enumerate("abcnd")
-        given = give(**{name: values[(k * (j + 2) + k // 7) % len(values)] for j, name in names})
-        for one, other in zip(plain, loops):
-            assert one.execute_step(given) == other.execute_step(given)
-            assert one.verdicts() == other.verdicts()
-            assert one.faults() == other.faults()
-
-
 def test_no_guarantees():
     assert monitor(["e"]).execute_step(give()) == []
 

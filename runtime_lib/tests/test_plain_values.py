@@ -45,17 +45,6 @@ def test_what_is_no_plain_value_is_shown_by_its_type():
     assert len(show("x" * 500)) == 60
 
 
-def test_values_of_numpy():
-    np = pytest.importorskip("numpy", reason="the values are numpy's")
-    given = (np.bool_(1), np.int8(-3), np.float32(0.5), np.longdouble(0.25), np.str_("x"))
-    found = [plain(one) for one in given]
-    assert [(type(one), one) for one in found] == [
-        *[(bool, True), (int, -3), (float, 0.5), (float, 0.25), (str, "x")]
-    ]
-    assert plain(np.timedelta64(3, "s")) is None
-    assert plain(np.complex64(1)) is None
-
-
 def test_a_problem_is_one_line_that_every_transport_can_send():
     assert one_line(ValueError("first\n second")) == "ValueError: first second"
     assert one_line(ValueError()) == "ValueError"

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.data_files import data_text
+from tests.data_files import data_text, write_files
 
 CONFIG = data_text("adopting/old_config.txt")
 
 
 def write_old_network(folder: Path, xdsl: str, name: str = "PedestrianRisk") -> Path:
     """Write an old plain package with its network beside the configuration."""
-    inner = folder / "files" / name
-    inner.mkdir(parents=True)
-    (inner / "bayesian_network_config.py").write_text(CONFIG, "utf-8")
-    (inner / f"{name}.xdsl").write_text(xdsl, "utf-8")
-    (folder / "bn_monitor.py").write_text("class BayesianNetworkMonitor:\n    pass\n", "utf-8")
-    return folder
+    files = {
+        f"files/{name}/bayesian_network_config.py": CONFIG,
+        f"files/{name}/{name}.xdsl": xdsl,
+        "bn_monitor.py": "class BayesianNetworkMonitor:\n    pass\n",
+    }
+    return write_files(folder, files)
 
 
 LICENCE = data_text("adopting/licence.txt")
@@ -32,7 +32,4 @@ def write_old_ros_network(folder: Path, package: str, network: str = "network1")
         f"{place}/bayesian_network_config.py": data_text("adopting/network_config.txt"),
         f"{place}/{network}.xdsl": data_text("adopting/network.xdsl").replace("NETWORK", network),
     }
-    for name, text in files.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, "utf-8")
-    return folder
+    return write_files(folder, files)

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
-from tests.cli.command import example, files_below, run
+from tests.cli.command import EXAMPLE, files_below, run
 from tests.data_files import data_text, tabled
 
 pytestmark = pytest.mark.slow
@@ -17,13 +17,9 @@ pytestmark = pytest.mark.slow
 @pytest.fixture
 def old(tmp_path: Path) -> Path:
     """An old package of ConSertA, in a folder with a workspace."""
-    example(tmp_path)
-    assert (
-        run("export", "two_conserts.xml", "--name", "ConSertA", "-o", "yml", cwd=tmp_path).status
-        == 0
-    )
-    model = (tmp_path / "yml" / "ConSertA.yml").read_text("utf-8")
-    return write_old_ros_package(tmp_path / "old", model)
+    (tmp_path / "ws" / "src").mkdir(parents=True)
+    model = EXAMPLE / "expected/src/eddi_monitor/conserta/config/ConSertA.yml"
+    return write_old_ros_package(tmp_path / "old", model.read_text("utf-8"))
 
 
 def test_bodies_model_and_configuration_are_taken_over(old: Path) -> None:
@@ -96,17 +92,6 @@ def test_a_dry_run_writes_nothing(old: Path) -> None:
     assert "+        self.RtE_A_E0 = RtE_E0.data and not" in result.out
 
 
-def test_the_platform_can_be_named(old: Path) -> None:
-    result = run("adopt", "old", "--platform", "plain", "-w", "ws", cwd=old.parent)
-    assert result.status == 2
-    assert "the platform plain needs -o FOLDER [G006]" in result.err
-    result = run("adopt", "old", "--platform", "plain", "-o", "out", cwd=old.parent)
-    assert result.status == 3, result.err
-    assert "self.RtE_A_E0 = RtE_E0.data and not" in (
-        old.parent / "out" / "conserta" / "EDDIInput.py"
-    ).read_text("utf-8")
-
-
 BOMBS = {
     "DEEP": f"x = {'-' * 200_000}1\n",
     "LONG": f"x = 1{' + 1' * 900}\n",
@@ -168,14 +153,8 @@ def test_neither_a_second_adoption_nor_a_file_of_a_person_is_overwritten(
         assert files_below(place) == {name: b"mine\n"}
 
 
-@pytest.mark.parametrize(
-    ("file", "words"),
-    [
-        ("EDDIInput.py", ["the input 'RtE_A_D0'", "the input 'RtE_A_E0'"]),
-        ("RosNode.py", ["there is no RosNode.py, which has topics"]),
-    ],
-)
-def test_what_was_not_recovered_needs_a_look(old: Path, file: str, words: list[str]) -> None:
+@tabled
+def test_what_was_not_recovered_needs_a_look(file, words, old):
     script = old / "scripts" / "EDDIInput.py"
     script.write_text(EDDI_INPUT.partition("LIMIT")[0] + EDDI_INPUT[EDDI_INPUT.index("class ") :])
     assert run("adopt", "old", "-w", "ws", "--dry-run", cwd=old.parent).status == 0

@@ -11,7 +11,7 @@ from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.adopting.adopt import Adoption, adopt
 from tests.adopting.old_networks import LICENCE, write_old_ros_network
 from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
-from tests.cli.command import EXAMPLE
+from tests.cli.command import EXAMPLE, edit
 from tests.data_files import data_text
 
 CONSERT = data_text("adopting/conserta.yml")
@@ -65,8 +65,7 @@ def test_bodies_of_the_same_inputs_and_states_need_no_look(tmp_path: Path) -> No
     bodies = {body.region.id for body in found.bodies}
     assert bodies - {"bayesian_network_config.module"} <= found.fitting  # that one has the licence
     network = old / "scripts" / "files" / "network1" / "network1.xdsl"
-    text = network.read_text()
-    network.write_text(text.replace('id="Hot"', 'id="Warm"'))
+    edit(network, 'id="Hot"', 'id="Warm"')
     (old / "scripts" / "RosNode.py").unlink()
     changed = found.fitting - adopt(old, None, None).fitting
     inputs = {f"process_{name}" for name in ("dense", "heat", "fire", "distance")}
@@ -137,7 +136,7 @@ def test_the_file_of_a_consert_keeps_its_name(tmp_path: Path) -> None:
 def test_a_plain_package_of_a_network_is_named_after_its_file(tmp_path: Path) -> None:
     folder = write_old_ros_network(tmp_path / "old", "harm_risk", "LaneEnds") / "scripts" / "files"
     network = folder / "LaneEnds" / "LaneEnds.xdsl"
-    network.write_text(network.read_text().replace('id="LaneEnds"', 'id="Network2"'))
+    edit(network, 'id="LaneEnds"', 'id="Network2"')
     found = adopt(folder, None, None)
     assert (found.id, found.model.name, found.model_name) == (
         "LaneEnds",

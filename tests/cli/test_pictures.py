@@ -25,6 +25,7 @@ def test_a_configuration_is_as_good_as_the_model_that_it_names(tmp_path: Path) -
         (tmp_path / command).mkdir()
         of_model, of_config = tmp_path / command / "model", tmp_path / command / "config"
         run(command, robot / "warehouse.yml", "-o", of_model, cwd=tmp_path)
-        result = run(command, robot / "warehouse_config.yml", "-o", of_config, cwd=tmp_path)
+        words = (robot / "robot.yml", "--name", "warehouse", "-o", of_config)
+        result = run(command, *words, cwd=tmp_path)
         assert result.status == 0, result.err
         assert files_below(of_config) == files_below(of_model) != {}

@@ -13,6 +13,7 @@ from eddi_scaffold.program.c_files import c_files
 from eddi_scaffold.program.instructions import Program, Read
 from eddi_scaffold.program.standalone import StandaloneMonitor
 from tests.conditions.formulas import Step
+from tests.data_files import write_files
 
 WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wshadow")
 FLAGS = ["-std=c99", "-pedantic", *WARNINGS, "-ffp-contract=off"]
@@ -28,10 +29,7 @@ def compiler() -> str:
 
 def build(model: StandaloneMonitor, folder: Path, *options: str) -> Path:
     """Compile a monitor with a main program that reads steps; return the program."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in c_files(model).items():
-        (folder / name).write_text(text, "utf-8")
-    (folder / "harness.c").write_text(harness(model), "utf-8")
+    write_files(folder, {**c_files(model), "harness.c": harness(model)})
     program = folder / "program"
     sources = [folder / f"{model.name}_event.c", folder / "harness.c"]
     compile_c([*options, *map(str, sources), "-o", str(program), "-lm"])

@@ -18,7 +18,7 @@ from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone import keep_in_folder, module_name, unique_names
 from tests.conditions import c_program
 from tests.conditions.formulas import DECLARATIONS, recording
-from tests.data_files import data_text
+from tests.data_files import data_text, tabled, write_files
 from tests.interpreters import old_python
 
 TEXT = data_text("conditions/demo.events")
@@ -94,8 +94,7 @@ def test_a_monitor_calls_what_is_raised_and_cleared() -> None:
 
 
 def test_all_of_c_compiles_and_runs(tmp_path: Path) -> None:
-    for name, text in generate(analysis_of(TEXT), "c", "demo").items():
-        (tmp_path / name).write_text(text)
+    write_files(tmp_path, generate(analysis_of(TEXT), "c", "demo"))
     sources = [str(tmp_path / name) for name in ("demo_event.c", "demo_main.c")]
     for level in ("-O0", "-O2"):
         c_program.compile_c([level, *sources, "-o", str(tmp_path / "demo"), "-lm"])
@@ -104,8 +103,7 @@ def test_all_of_c_compiles_and_runs(tmp_path: Path) -> None:
 
 
 def test_fast_math_is_refused(tmp_path: Path) -> None:
-    for name, text in generate(analysis_of("x > 5"), "c", "demo").items():
-        (tmp_path / name).write_text(text)
+    write_files(tmp_path, generate(analysis_of("x > 5"), "c", "demo"))
     with pytest.raises(AssertionError, match="has no NaN"):
         c_program.compile_c(["-ffast-math", "-c", str(tmp_path / "demo_event.c")])
 
@@ -160,17 +158,7 @@ def written(folder: Path, target: Any, text: str, edits: dict[str, str]) -> None
         (folder / name).write_text(edited)
 
 
-@pytest.mark.parametrize(
-    ("target", "old", "new"),
-    [
-        (
-            "python",
-            "        raise NotImplementedError('x')\n",
-            "        return self.sensor.x  # by me\n",
-        ),
-        ("c", "    return NAN;\n", "    return sensor_x(); /* by me */\n"),
-    ],
-)
+@tabled
 def test_hand_written_bodies_stay(target: Any, old: str, new: str, tmp_path: Path) -> None:
     written(tmp_path, target, "VAR x : NUMBER TIMEOUT 1s x > 5", {old: new})
     files = generate(

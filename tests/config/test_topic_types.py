@@ -11,6 +11,7 @@ from eddi_scaffold.monitors import message_types
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.message_types import common_messages, installed_types
 from eddi_scaffold.monitors.topic_types import check_types
+from tests.data_files import write_files
 
 MANIFEST = (
     "<package><name>acme</name><version>1.0.0</version><description>d</description></package>"
@@ -20,14 +21,8 @@ MANIFEST = (
 @pytest.fixture
 def ros(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """Make a ROS of one package with a message and an action."""
-    package = tmp_path / "acme"
-    for name, text in (
-        ("package.xml", MANIFEST),
-        ("msg/Health.msg", "bool fine\n"),
-        ("action/Dock.action", "---\n---\n"),
-    ):
-        (package / name).parent.mkdir(parents=True, exist_ok=True)
-        (package / name).write_text(text)
+    files = {"msg/Health.msg": "bool fine\n", "action/Dock.action": "---\n---\n"}
+    package = write_files(tmp_path / "acme", {"package.xml": MANIFEST, **files})
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
     forget()
     yield package

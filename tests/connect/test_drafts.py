@@ -209,15 +209,15 @@ def test_the_inputs_of_a_chain_follow_from_what_is_observed(tmp_path: Path) -> N
 
 def test_evidence_of_another_name_is_left_to_a_person(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples" / "warehouse-robot", tmp_path, dirs_exist_ok=True)
-    others = (f"{one}_config.yml" for one in ("lidar", "power", "localisation", "people"))
-    words = [word for one in others for word in ("--with", one)]
-    done = run("connect", "warehouse.yml", *words, cwd=tmp_path)
+    robot = tmp_path / "robot.yml"
+    robot.write_text(robot.read_text("utf-8").rpartition("---\n")[0], "utf-8")
+    done = run("connect", "warehouse.yml", "--with", "robot.yml", cwd=tmp_path)
     entries = dict(part.split("\n", 1) for part in done.out.split("  - id: ")[1:])
-    assert "    from: events.active\n" in entries["PathClear"]
+    assert "    from: lidar.active\n" in entries["PathClear"]
     first = {
-        "PowerHolds": '"reliability.evidence[LastsTheShift].active" 25 points',
-        "Localised": '"posteriors.evidence[PoseIsGood].active" 30 points',
-        "PeopleAreSeen": "scope.in_scope 25 points",
+        "PowerHolds": '"power.evidence[LastsTheShift].active" 25 points',
+        "Localised": '"localisation.evidence[PoseIsGood].active" 30 points',
+        "PeopleAreSeen": "people.in_scope 25 points",
     }
     for name, text in first.items():
         assert f"# connect: from: {text}" in entries[name].splitlines()[1]

@@ -11,6 +11,7 @@ import yaml
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.node import Message, blank
+from tests.data_files import write_files
 from tests.deployments.world import Deployment, History, Member, Publisher, Sample, resolved
 
 
@@ -28,9 +29,7 @@ class Case:
 
 def read_case(text: str, folder: Path) -> Case:
     content = yaml.load(text, yaml.CSafeLoader)
-    for name, data in content["files"].items():
-        (folder / name).write_text(data, encoding="utf-8")
-    return Case(content, folder)
+    return Case(content, write_files(folder, content["files"]))
 
 
 def deployment_of(case: Case) -> Deployment:

@@ -17,7 +17,8 @@ from eddi_scaffold.deployments.support import wired
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
-from eddi_scaffold.recordings.playing import StepRule, of_messages, play
+from eddi_scaffold.recordings.members import Member
+from eddi_scaffold.recordings.playing import StepRule, play, played
 from tests.data_files import ORACLES, data_file
 from tests.deployments.cases import Case, deployment_of, read_case
 from tests.deployments.world import MS, Claims, World
@@ -97,10 +98,11 @@ def test_the_same_is_claimed(name: str, tmp_path: Path) -> None:
     if not is_played(case):
         return
     deployment = deployment_of(case)
-    rules = [StepRule(one.every * MS, on_change=False) for one in deployment.members]
-    parts = of_messages([one.monitor for one in deployment.members], rules)
-    members = {one.monitor.config.config.Model.id: one for one in deployment.members}
+    members = {one.monitor.id: one for one in deployment.members}
+    parts = played([Member(one.monitor) for one in deployment.members])
     ordered = [members[part.name or next(iter(members))] for part in parts]
+    rules = [StepRule(one.every * MS, on_change=False) for one in ordered]
+    parts = [replace(part, rule=rule) for part, rule in zip(parts, rules, strict=True)]
     world = dict(World(replace(deployment, members=tuple(ordered))).run())
     samples = sorted(deployment.history.samples, key=lambda one: one.t)
     heard = tuple(Sample(one.t * MS, one.topic, one.message) for one in samples)

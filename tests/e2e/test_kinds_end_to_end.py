@@ -14,13 +14,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.packages.running import load
 from tests.checkouts import HERE
 from tests.cli.command import run as eddi
 from tests.connect.test_robots import consert, decided
 from tests.data_files import data_file, data_text
 from tests.e2e.robot import Run
 from tests.e2e.workspace import Workspace
+from tests.package_texts import loaded
 from tests.ros1.world import PROBES, PYTHON, Probe, until
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -188,7 +188,7 @@ def test_every_frame_of_the_camera_counts_once(workspace, run, tmp_path):
         usual.insert(chance.randrange(60, len(usual)), bad)
     frames = [*usual, *fog]
     (tmp_path / "frames.json").write_text(json.dumps(frames))
-    monitor = load(workspace.packages / "camera_scope").new()[0].monitor
+    monitor = loaded(workspace.packages / "camera_scope")[0].monitor
     offline = {}
     for frame in frames:
         result = monitor.execute_step(SimpleNamespace(frame=frame), 0)

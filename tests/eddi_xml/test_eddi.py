@@ -16,6 +16,7 @@ from eddi_scaffold.eddi_xml.parsing import Limits
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
 from tests.cli.command import ROOT
+from tests.data_files import data_text
 from tests.eddi_xml.eddi_texts import ROVER, texts
 
 
@@ -67,40 +68,18 @@ def test_too_many_references() -> None:
     assert texts(problems) == ["m.xml:1: error X003: to has 3 references, more than the limit of 2"]
 
 
-TEXT = """<i:DDIPackage xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
- xmlns:f="http://www.deis-project.eu/ode/failureLogic" xmlns:a="http://x/argumentation"
- xmlns:i="http://www.deis-project.eu/ode/integration">
-<odeProductPackages xsi:type="PACKAGE" name="P">
-<failureModels xsi:type="MODEL" name="M"><causes xsi:type="f:Unheard"/></failureModels>
-</odeProductPackages></i:DDIPackage>
-"""
-
-
 def said(package: str, model: str) -> list[str]:
-    text = TEXT.replace("PACKAGE", package).replace("MODEL", model)
+    text = data_text("eddi_xml/package.xml").replace("PACKAGE", package).replace("MODEL", model)
     document, problems = read_document(Source("m.xml", text.encode()))
     assert document is not None
     return [f"{p.place.line}: {p.level} {p.code} {p.message} | {p.hint}" for p in problems]
 
 
-PUBLIC = """
-FaultTree StateMachine BayesianNetwork FailureModel FMEA FMEDA AttackTree Action FunctionAction
-MessageAction WarningAction CommonCauseFailure SecurityViolation Failure
-"""
-OTHERS = """
-DDIPackage ConSertPackage ConSert DesignPackage System PhysicalComponent LogicalComponent Function
-SafetyRelatedSystem ServiceType DependabilityPropertyType FailureLogicPackage DependabilityPackage
-HARAPackage TARAPackage RequirementPackage DomainPackage TraceabilityPackage Trace Hazard Measure
-RiskAssessment Malfunction DependabilityRequirement SafetyRequirement EventPackage OdeEvent
-ConditionEvent ExternalEvent AssuranceCasePackage ArgumentPackage ArtifactPackage Claim
-TerminologyPackage AssertedInference AssertedContext ArtifactReference
-"""
-
-
 def test_classes_of_the_metamodel_and_of_others_are_no_slips() -> None:
-    for name in PUBLIC.split():
+    _, models, others = re.split(r"# .*", data_text("eddi_xml/classes.txt"))
+    for name in models.split():
         assert said("f:FailureLogicPackage", f"f:{name}") == []
-    for name in OTHERS.split():
+    for name in others.split():
         assert not [one for one in said("a:StrangePackage", f"a:{name}") if '"M"' in one]
     assert said("a:StrangePackage", "a:AssertedInference") == []
     assert said("f:FailureLogicPackage", "failurelogic_:markovchain") == []
@@ -178,16 +157,6 @@ def test_other_files_ids_and_what_is_no_reference(text: str, case: str | None) -
     doc = document("<r><a/></r>")
     end = doc.target(doc.roots[0], "f", text)
     assert end.case == case if isinstance(end, Problem) else end is doc.roots[0][0] and not case
-
-
-def test_an_index_out_of_range_says_the_range() -> None:
-    doc = document("<r><a/><a/></r>")
-    assert doc.references.explain(Fragment(0, "/@a.5")) == (
-        '/ has 2 "a", the index 5 is out of range (0 to 1)'
-    )
-    assert doc.references.explain(Fragment(0, "/@a.1/@b")) == (
-        '//@a.1 has no "b", it has no children'
-    )
 
 
 def test_names_with_points_are_told_from_indices() -> None:

@@ -18,8 +18,9 @@ import pytest
 from hypothesis import settings
 
 from tests.cli.command import ROOT
+from tests.data_files import write_files
 from tests.frozen import corpus
-from tests.frozen.texts import Parts, compiled, names_of_models, parts_of, printed, write
+from tests.frozen.texts import Parts, compiled, names_of_models, parts_of, printed
 
 pytestmark = pytest.mark.slow
 
@@ -61,7 +62,7 @@ class Frozen:
                 is_as_before = expected.get(name, got.get(name, {})).get(part) == got[name][part]
                 differ += [] if is_as_before else [f"{name}.{part}"]
                 if self.texts or not is_as_before:
-                    write(place, {f"{name}.{part}": text.encode()})
+                    write_files(place, {f"{name}.{part}": text})
         assert not differ, "\n  ".join(
             [
                 f"{len(differ)} of {len(expected)} texts are not those of {DIGESTS.name}:",
@@ -91,7 +92,7 @@ def frozen(request: pytest.FixtureRequest, tmp_path: Path) -> Frozen:
 def folders(name: str, tmp_path: Path) -> Iterator[tuple[str, Path]]:
     """Write the cases of a name; yield their names and folders."""
     for case, files in corpus.cases(name):
-        yield case, write(tmp_path / "files" / case, files)
+        yield case, write_files(tmp_path / "files" / case, files)
 
 
 def connected(case: str, folder: Path, platforms: Sequence[str]) -> Iterator[tuple[str, Parts]]:
@@ -134,7 +135,7 @@ def test_compiled_text_of_random(kind: str, frozen: Frozen, tmp_path: Path) -> N
     count = ALL if frozen.update or settings().max_examples > 1000 else EACH
     texts: dict[str, Parts] = {}
     for number, (case, files) in enumerate(corpus.random_cases(kind, count)):
-        folder = write(tmp_path / "files" / case, files)
+        folder = write_files(tmp_path / "files" / case, files)
         configs = corpus.configurations(folder)
         given = ("-c", *configs) if configs else ("-m", *corpus.models(folder))
         name = (

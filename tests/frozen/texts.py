@@ -40,15 +40,6 @@ def compiled_text(answers: Mapping[str, Any]) -> str:
     return own.replace("\nfrom eddi_runtime", "\nfrom .eddi_runtime")
 
 
-def write(folder: Path, files: Mapping[str, bytes]) -> Path:
-    """Put files into a new folder."""
-    for name, data in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
-    return folder
-
-
 def compiled(folder: Path, *words: object) -> Parts:
     """Return head and body of a compiled monitor; nothing where ``answers`` refuses the files."""
     file = folder / "answers.yml"

@@ -40,16 +40,8 @@ from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.recordings.bags import read_bag
-from eddi_scaffold.recordings.csv_recording import read_recording
-from eddi_scaffold.recordings.playing import (
-    ROWS,
-    columns,
-    compiled,
-    of_messages,
-    of_values,
-    play,
-    step_rule,
-)
+from eddi_scaffold.recordings.members import Member, read_values
+from eddi_scaffold.recordings.playing import ROWS, compiled, play, played
 from eddi_scaffold.recordings.results import changes, steps
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
@@ -337,9 +329,10 @@ def _recordings(folder: Path) -> Made:
 
     def attempt(sample: Sample) -> Steps:
         with contextlib.suppress(EddiError):
-            tape, _ = read_recording(Source("damaged.csv", sample.data), columns([monitor]))
-            for one in (step_rule(monitor), ROWS):
-                list(changes(itertools.islice(play(of_values([monitor], [one]), tape), 100)))
+            source = Source("damaged.csv", sample.data)
+            members, recording, _ = read_values(source, [Member(monitor)])
+            for rule in (None, ROWS):
+                list(changes(itertools.islice(play(played(members, rule), recording), 100)))
         yield
 
     return samples, attempt
@@ -356,8 +349,9 @@ def _bags(folder: Path) -> Made:
     def attempt(sample: Sample) -> Steps:
         path.write_bytes(sample.data)
         with contextlib.suppress(EddiError):
-            tape, _ = read_bag(path, [monitor])
-            for _ in itertools.islice(steps(play(of_messages([monitor], [ROWS]), tape)), 100):
+            members = [Member(monitor)]
+            recording, _ = read_bag(path, members)
+            for _ in itertools.islice(steps(play(played(members, ROWS), recording)), 100):
                 pass
         yield
 

@@ -9,14 +9,7 @@ from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
-from tests.data_files import data_file
-
-SPACES = (
-    'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
-    'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" '
-    'xmlns:f="http://www.deis-project.eu/ode/failureLogic" '
-    'xmlns:c="http://www.deis-project.eu/ode/consert"'
-)
+from tests.data_files import data_file, data_text
 
 
 def told(text: str, name: str) -> list[tuple[str, int | None]]:
@@ -24,28 +17,9 @@ def told(text: str, name: str) -> list[tuple[str, int | None]]:
     return [(one.code, one.place.line) for one in reading.problems if one.level == "error"]
 
 
-TABLE = "<DEFINITION>\n<FOR>A</FOR>\n<TABLE>0.1 0.9</TABLE>\n</DEFINITION>"
-XMLBIF = (
-    "<BIF><NETWORK>\n<NAME>N</NAME>\n<VARIABLE>\n<NAME>A</NAME>\n"
-    f"<OUTCOME>y</OUTCOME><OUTCOME>n</OUTCOME></VARIABLE>\n{TABLE}</NETWORK></BIF>"
+XMLBIF, XDSL, BIF, MEF = (
+    data_text(f"field/{name}") for name in ("n.xmlbif", "n.xdsl", "n.bif", "t.opsa")
 )
-XDSL = (
-    '<smile id="N"><nodes><cpt id="A"><state id="y"/><state id="n"/>\n'
-    "<probabilities>0.1 0.9</probabilities></cpt>\n"
-    '<cpt id="B"><state id="y"/><state id="n"/>\n<parents>A</parents>\n'
-    "<probabilities>0.1 0.9 0.2 0.8</probabilities></cpt></nodes></smile>"
-)
-BIF = (
-    "network N {}\nvariable A { type discrete [2] { y, n }; }\n"
-    "probability (A) {\ntable 0.1, 0.9;\n}\n"
-)
-MEF = (
-    '<opsa-mef><define-fault-tree name="T"><define-gate name="G"><not><event name="E"/></not>'
-    '</define-gate>\n<define-basic-event name="E"><float value="0.1"/></define-basic-event>\n'
-    "</define-fault-tree></opsa-mef>"
-)
-
-
 ONE, YES = '<float value="1"/>', '<constant value="true"/>'
 
 
@@ -74,14 +48,9 @@ def test_no_second_value_is_dropped(
     assert told(text.replace(old, new), name) == [wanted]
 
 
-def eddi(failure: str, event: str = "", maps: str = "") -> str:
-    return (
-        f'<f:FaultTree {SPACES} name="Pump">\n{maps}<failures name="Out" originType="Output"/>'
-        f'<failures name="A" {failure}</failures><failures name="B" failureRate="1e-5"/>\n'
-        '<causes xsi:type="f:Gate" name="Top" causeType="OutputEvent" failure="//@failures.0" '
-        'causes="//@causes.1"/>\n'
-        f'<causes name="a" causeType="BasicEvent" failure="//@failures.1{event}"/></f:FaultTree>'
-    )
+def eddi(failure: str, event: str = "") -> str:
+    text = data_text("field/pump.xml")
+    return text.replace("⟦FAILURE⟧", failure).replace("⟦EVENT⟧", event)
 
 
 UNIT = '<keyValueMaps key="unit"><values value="1/h"/>'
@@ -195,23 +164,14 @@ def test_the_quote_that_is_not_closed() -> None:
     assert told(text, "drone.xml") == [("X001", 3)]
 
 
-TREE = data_file("field/root-fault-tree/pump.xml").read_text()
-CHAIN = (
-    f'<f:markovChain {SPACES} name="Chain"><states name="a" isInitialState="true"/>'
-    '<states name="b" isFailState="true"/><transitions fromStates="//@states.0" '
-    'toStates="//@states.1" transition="1e-4"/></f:markovChain>'
-)
-CONSERT = (
-    f'<c:ConSert {SPACES} name="Safe"><guarantees name="G" isDefaultGuarantee="true">'
-    '<dependabilityProperty><dimension xsi:type="c:BinaryDimension">'
-    '<dimensionType name="Safe"/></dimension>'
-    "</dependabilityProperty></guarantees></c:ConSert>"
-)
+ROOTS = [
+    (data_file("field/root-fault-tree/pump.xml").read_text(), "reliability"),
+    (data_text("field/chain.xml"), "reliability"),
+    (data_text("field/consert.xml"), "consert"),
+]
 
 
-@pytest.mark.parametrize(
-    ("text", "kind"), [(TREE, "reliability"), (CHAIN, "reliability"), (CONSERT, "consert")]
-)
+@pytest.mark.parametrize(("text", "kind"), ROOTS)
 def test_a_model_may_be_the_root(text: str, kind: str, tmp_path: Path) -> None:
     reading = read_models(Source("m.xml", text.encode()))
     assert [(one.kind, one.place.path) for one in reading.models] == [(kind, "/")]

@@ -13,6 +13,7 @@ from eddi_scaffold.eddi_xml.parsing import XMI
 from eddi_scaffold.kinds.bayesian_network.cross_check import posteriors
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
+from tests.data_files import data_text
 from tests.kinds.bayesian_network.networks import joined, running
 from tests.metamodel.expected import FOLDER, cases, expected, models
 from tests.metamodel.test_random import NOT_THESE
@@ -113,32 +114,8 @@ def test_what_states_mean_is_said_to_be_unused() -> None:
     assert (said.code, said.level) == ("X014", "info")
 
 
-TOPICS = """\
-SimulatorOutputs:
-  - {id: bat, type: sensor_msgs.BatteryState, topic: /power}
-  - {id: fit, type: std_msgs.Bool, topic: /fit}
-EDDIInputs: []
-"""
-EVENT = 'name="battery above 30 %"'
-WATCH = """
-      <keyValueMaps key="eddi.events">
-        <values tag="model" value="watch"/>
-        <values tag="VAR" value="level : NUMBER TIMEOUT 500ms"/>
-        <values tag="EVENT" value="enough (EVIDENCE) := level > 0.3"/>
-      </keyValueMaps>"""
-CONFIG = """\
-Model: {id: watch, type: Event, frequency: 10}
-SimulatorOutputs:
-  - {id: bat, type: sensor_msgs.BatteryState, topic: /power}
-EDDIInputs:
-  - {id: level, requires: [bat], field: percentage, max_age: 1}
-EDDIOutputs:
-  - {id: events, topic: watch/events}
-"""
-
-
 def test_what_the_condition_reads_is_the_first_candidate(tmp_path: Path) -> None:
-    (tmp_path / "c.yml").write_text(TOPICS, "utf-8")
+    (tmp_path / "c.yml").write_text(data_text("metamodel/topics.yml"), "utf-8")
     model = FOLDER / "01_consert_minimal.xml"
     drafted = run("connect", str(model), "-o", "c.yml", "--dry-run", cwd=tmp_path).out
     lines = [line.removeprefix("+").strip() for line in drafted.splitlines()]
@@ -153,10 +130,12 @@ def test_what_the_condition_reads_is_the_first_candidate(tmp_path: Path) -> None
 
 def test_the_event_of_another_monitor_is_taken(tmp_path: Path) -> None:
     text = (FOLDER / "01_consert_minimal.xml").read_text("utf-8")
-    text = text.replace(EVENT, 'name="enough"')
+    text = text.replace('name="battery above 30 %"', 'name="enough"')
     system = text.index(">", text.index("<systems ")) + 1
-    (tmp_path / "m.xml").write_text(text[:system] + WATCH + text[system:], "utf-8")
-    (tmp_path / "watch.yml").write_text(CONFIG, "utf-8")
+    (tmp_path / "m.xml").write_text(
+        text[:system] + data_text("metamodel/watch.xml") + text[system:]
+    )
+    (tmp_path / "watch.yml").write_text(data_text("metamodel/watch_config.yml"))
     drafted = run("connect", "m.xml", "--name", "Rover", "--with", "watch.yml", cwd=tmp_path)
     assert "taken" in drafted.out, drafted.out + drafted.err
     assert "enough fulfils it" in drafted.out

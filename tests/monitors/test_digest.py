@@ -18,10 +18,10 @@ from eddi_scaffold.monitors.compiling import digest_of
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.instructions import Operation
 from tests.cli.command import run
-from tests.data_files import tabled
+from tests.data_files import tabled, write_files
 from tests.frozen import corpus
 from tests.frozen.random_models import MAKERS
-from tests.frozen.texts import REFUSED, compiled_text, computed_by, parts_of, write
+from tests.frozen.texts import REFUSED, compiled_text, computed_by, parts_of
 
 EDITS = 8
 """Of one model in a run."""
@@ -77,8 +77,8 @@ def test_monitors_that_differ_have_different_digests(kind: str, tmp_path: Path) 
         rng = Random(f"{kind} {number}")
         for edit in range(EDITS):
             changed = edited(files, rng) if edit else files
-            data = {name: text.encode() for name, text in changed.items()}
-            if (monitor := compiled(write(tmp_path / f"{number}-{edit}", data))) is not None:
+            monitor = compiled(write_files(tmp_path / f"{number}-{edit}", changed))
+            if monitor is not None:
                 digest, text = monitor
                 assert computed.setdefault(digest, text) == text, (number, edit)
     assert len(computed) > EDITS // 2
@@ -90,14 +90,12 @@ def test_lines_that_move_and_comments_change_no_digest(kind: str, tmp_path: Path
     comments = {".yml": "# moved\n\n", ".events": "// moved\n\n", ".csv": "# moved\n"}
     compared = 0
     for number, files in models(kind):
-        data = {name: text.encode() for name, text in files.items()}
         moved = {
-            name: f"{comments.get(Path(name).suffix, '')}{text}\n".encode()
-            for name, text in files.items()
+            name: f"{comments.get(Path(name).suffix, '')}{text}\n" for name, text in files.items()
         }
-        before = compiled(write(tmp_path / f"{number}", data))
+        before = compiled(write_files(tmp_path / f"{number}", files))
         if before is not None:
-            after = compiled(write(tmp_path / f"{number}-moved" / "elsewhere", moved))
+            after = compiled(write_files(tmp_path / f"{number}-moved" / "elsewhere", moved))
             assert after == before, number
             compared += 1
     assert compared > 2

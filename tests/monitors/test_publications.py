@@ -1,7 +1,5 @@
 """Age limits, and outputs of what a monitor does not have."""
 
-from pathlib import Path
-
 import pytest
 
 from eddi_scaffold.common.files import Source
@@ -9,6 +7,7 @@ from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.publications import check_limits
 from tests.checkouts import HERE
+from tests.data_files import tabled
 from tests.diagnosed import assert_reported
 
 CONFIG = """
@@ -34,14 +33,8 @@ def test_an_age_in_milliseconds_is_a_warning(max_age: str, source: str, lines: l
         assert_reported("K029", reported)
 
 
-@pytest.mark.parametrize(
-    ("field", "hint"),
-    [
-        ("output_nodes[Criticl].outcomes[Yes].outcome_value", "Critical"),
-        ("output_nodes[Critical].outcomes[Yess].outcome_value", "Yes"),
-    ],
-)
-def test_an_output_of_what_the_network_does_not_have(tmp_path: Path, field: str, hint: str) -> None:
+@tabled
+def test_an_output_of_what_the_network_does_not_have(field, hint, tmp_path):
     network = tmp_path / "network.yml"
     text = (NETWORK / "eddi_config.yml").read_text("utf-8")
     network.write_text(f"{text}  - {{id: one, topic: one, field: '{field}'}}\n", "utf-8")

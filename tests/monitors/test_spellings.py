@@ -9,7 +9,7 @@ import yaml
 from eddi_scaffold.packages import assembly
 from eddi_scaffold.platforms import chosen
 from tests.cli.command import run
-from tests.data_files import data_text, tabled
+from tests.data_files import data_text, tabled, write_files
 
 DATA = Path(__file__).parents[1] / "data" / "users"
 SPELLINGS = yaml.load((DATA / "spellings.yml").read_text("utf-8"), yaml.CSafeLoader)["cases"]
@@ -17,10 +17,8 @@ SPELLINGS = yaml.load((DATA / "spellings.yml").read_text("utf-8"), yaml.CSafeLoa
 
 def packages(case, spelling, folder):
     """Return package -> the answers and files of which Copier makes it."""
-    folder.mkdir()
     files = {**case["files"], **case[spelling]}
-    for name, text in files.items():
-        (folder / name).write_text(text, "utf-8")
+    write_files(folder, files)
     configs = [folder / name for name in case[spelling] if "Model:" in files[name]]
     monitors, problems = assembly.monitors_of(None, configs)
     plan = assembly.assemble(monitors, chosen(case["platform"]), folder / "none", problems)
@@ -51,8 +49,7 @@ def checked(folder, *changes):
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
-    for name, content in {**MODELS, "robot.yml": text}.items():
-        (folder / name).write_text(content, "utf-8")
+    write_files(folder, {**MODELS, "robot.yml": text})
     return run("check", "robot.yml", cwd=folder)
 
 

@@ -13,7 +13,7 @@ from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.compiling import digest_of
 from eddi_scaffold.monitors.loading import read_models
-from tests.data_files import ORACLES
+from tests.data_files import ORACLES, write_files
 from tests.frozen import corpus
 from tests.metamodel.eddis import random_eddi
 
@@ -22,8 +22,7 @@ DATA = ORACLES.parent / "reliability"
 
 def reread(model: Model, folder: Path) -> Model:
     files = model.write()
-    for name, text in files.items():
-        (folder / name).write_text(text, "utf-8")
+    write_files(folder, files)
     reading = kinds()[model.kind].model_class.read_file(read_source(folder / next(iter(files))), ())
     (again,) = reading.models
     return again.named(model.name)
@@ -33,10 +32,7 @@ def check(cases: Iterable[Mapping[str, bytes]], folder: Path) -> Counter[str]:
     """Write and read each model of each case; return how many there are of each kind."""
     counts: Counter[str] = Counter()
     for number, files in enumerate(cases):
-        place = folder / str(number)
-        for name, data in files.items():
-            (place / name).parent.mkdir(parents=True, exist_ok=True)
-            (place / name).write_bytes(data)
+        place = write_files(folder / str(number), files)
         models = corpus.models(place) if files else ()
         for path in [*(place / name for name in models), *place.glob("*.xmlbif")]:
             for model in _models(path):

@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from eddi_scaffold.packages import assembly
-from eddi_scaffold.packages.running import load
 from tests.cli.command import EXAMPLE, ROOT, files_below, run, template
+from tests.package_texts import loaded
 
 pytestmark = pytest.mark.slow
 
@@ -69,7 +69,7 @@ def test_every_kind_and_every_example(
     assert ours.keys() == theirs.keys()
     assert [name for name in ours if ours[name] != theirs[name]] == []
     if where not in (ROS1, DDS):
-        load(tmp_path / package).new()
+        loaded(tmp_path / package)
 
 
 def test_it_joins_a_second_monitor_to_the_packages_that_all_share(tmp_path: Path) -> None:

@@ -35,8 +35,8 @@ def test_damaged_answers_are_no_traceback(tmp_path: Path) -> None:
 
 def test_what_the_configuration_says_has_no_place_in_the_model(tmp_path: Path) -> None:
     robot = ROOT / "examples" / "warehouse-robot"
-    config = robot / "localisation_config.yml"
-    run("-q", "generate", "--platform", "plain", "-o", ".", "-c", config, cwd=tmp_path)
+    words = ("-c", robot / "robot.yml", "--name", "localisation")
+    run("-q", "generate", "--platform", "plain", "-o", ".", *words, cwd=tmp_path)
     text = run("trace", "localisation", cwd=tmp_path).out
     assert re.search(r"\n  threshold +PoseIsGood +\(configuration\)\n", text)
     assert ":-" not in text

@@ -17,6 +17,7 @@ from eddi_scaffold.program.c_files import c_files
 from eddi_scaffold.program.standalone import keep_in_folder, named
 from runtime_lib.tests.conserts import binary, categorical, consert, give, numeric
 from tests.conditions.c_program import SANITIZE, compile_c
+from tests.data_files import write_files
 
 TEXTS = ["low", "mid", 'é ??/ "\\', "a\0b"]
 VALUES = {
@@ -74,8 +75,7 @@ def verdicts_in_c(folder, played):
     """Return what a program prints that calls the steps of models with arguments."""
     main, calls, sources = [], [], [folder / "main.c"]
     for model, steps in played:
-        for name, text in c_files(model).items():
-            (folder / name).write_text(text, "ascii")
+        write_files(folder, c_files(model))
         sources.append(folder / f"{model.name}_consert.c")
         monitor = f"s_{model.name}"
         main += [f'#include "{model.name}_consert.h"', f"static {model.name}_t {monitor};"]
@@ -182,8 +182,7 @@ def test_no_text_of_a_model_is_code_or_a_marker(tmp_path: Path) -> None:
     )
     model = named(made.compiled().program, "odd", ids, kind="consert")
     files = c_files(model)
-    for name, text in files.items():
-        (tmp_path / name).write_text(text, "utf-8")
+    write_files(tmp_path, files)
     assert keep_in_folder(files, tmp_path) == (files, [])
     sources = [str(tmp_path / name) for name in files if name.endswith(".c")]
     compile_c([*sources, "-o", str(tmp_path / "odd"), "-lm"])

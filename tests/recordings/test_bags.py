@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
-from tests.cli.command import example, run
+from tests.cli.command import edit, example, run
 from tests.data_files import data_text, tabled
 from tests.diagnosed import assert_reported
 from tests.rows import changes
@@ -121,8 +121,8 @@ def test_a_bag_of_ros2_gives_the_same_verdicts(
 def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
     written(folder / "a.bag", [healthy(0, True), demand(0, True)])
     config = folder / "consert_a_config.yml"
-    text = config.read_text().replace("/rte/e0a", "/robot/rte/e0").replace("consertb/g", "consrt/g")
-    config.write_text(text)
+    edit(config, "/rte/e0a", "/robot/rte/e0")
+    edit(config, "consertb/g", "consrt/g")
     words = ("run", "two_conserts.xml", "-c", config.name, "--bag", "a.bag", "--csv")
     result = run(*words, cwd=folder)
     near = f"{DEMAND} (eddi_messages/ConSertOutput), the bag has {EVIDENCE} (std_msgs/Bool)"
@@ -132,13 +132,9 @@ def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
 def test_inputs_of_hand_written_code_stay_unknown(folder: Path) -> None:
     written(folder / "a.bag", [healthy(0, True), demand(0.0, True), demand(0.2, True)])
     config = folder / "consert_a_config.yml"
-    config.write_text(
-        config.read_text().replace("    field: guarantees[System_A_G0_c2].active\n", "")
-    )
-    result = run(
-        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag", "--csv"),
-        cwd=folder,
-    )
+    edit(config, "    field: guarantees[System_A_G0_c2].active\n", "")
+    words = ("run", "two_conserts.xml", "-c", config.name, "--bag", "a.bag", "--csv")
+    result = run(*words, cwd=folder)
     assert_reported("I014", result.err)
     assert result.out.splitlines()[-1] == "0.2,true,false"
 
@@ -149,9 +145,7 @@ def test_without_the_extra_it_says_what_to_install(
     written(folder / "a.bag", [healthy(0, True)])
     monkeypatch.setitem(sys.modules, "rosbags.rosbag1", None)
     monkeypatch.delitem(sys.modules, "eddi_scaffold.recordings.bag_files", raising=False)
-    result = run(
-        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag"), cwd=folder
-    )
+    result = run("run", *BOTH[:3], "--bag", "a.bag", cwd=folder)
     assert result.status == 2
     assert_reported("I010", result.err)
 
@@ -230,8 +224,8 @@ def test_what_a_monitor_here_publishes_is_not_taken_from_the_bag(folder: Path) -
 
 def test_each_steps_at_its_own_rhythm_and_at_once_for_what_another_says(folder: Path) -> None:
     a, b = folder / "consert_a_config.yml", folder / "consert_b_config.yml"
-    a.write_text(a.read_text().replace("frequency: 10", "frequency: 0.1\n  mode: on_change"))
-    b.write_text(b.read_text().replace("frequency: 10", "frequency: 2"))
+    edit(a, "frequency: 10", "frequency: 0.1\n  mode: on_change")
+    edit(b, "frequency: 10", "frequency: 2")
     written(folder / "a.bag", [healthy(0.0, True), evidence_b(0.1, True), healthy(1.2, True)])
     result = run("run", *BOTH, "--bag", "a.bag", "--json", cwd=folder)
     steps = [json.loads(line) for line in result.out.splitlines()]
@@ -245,8 +239,7 @@ def test_a_bag_gives_the_age_limits_of_a_draft(folder: Path) -> None:
     written(folder / "a.bag", [healthy(t, True) for t in (0.0, 0.1, 0.2, 0.5)] + [demand(0, True)])
     words = ("connect", "two_conserts.xml", "--name", "ConSertA", "-o", "consert_a_config.yml")
     config = folder / "consert_a_config.yml"
-    text = config.read_text("utf-8")
-    config.write_text(text.replace("max_age: 2.0 ", "max_age: TODO "), "utf-8")
+    edit(config, "max_age: 2.0 ", "max_age: TODO ")
     assert run(*words, "--bag", "a.bag", cwd=folder).status == 0
     assert "    max_age: 0.36 s  # 4 messages of a.bag\n" in config.read_text("utf-8")
     before = config.read_bytes()

@@ -13,9 +13,11 @@ from eddi_scaffold.common.claims import State
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
+from eddi_scaffold.recordings.members import Member
 from eddi_scaffold.recordings.node import Publications, blank
-from eddi_scaffold.recordings.playing import PlayedMonitor, of_messages, play, step_rule
+from eddi_scaffold.recordings.playing import PlayedMonitor, play, played
 from tests.checkouts import HERE
+from tests.data_files import write_files
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
 CASES = {
@@ -27,10 +29,9 @@ VALUES: Mapping[State, str] = {"active": "true", "not active": "false", "unknown
 @pytest.mark.parametrize("name", CASES)
 def test_values(name: str, tmp_path: Path) -> None:
     case = CASES[name]
-    for file, text in case["files"].items():
-        (tmp_path / file).write_text(text, encoding="utf-8")
+    write_files(tmp_path, case["files"])
     monitors, _ = monitors_of(None, [tmp_path / one for one in case["configurations"]])
-    parts = of_messages(monitors, [step_rule(one) for one in monitors])
+    parts = played([Member(monitor) for monitor in monitors])
     by_name = {one.id: one for one in monitors}
     values: dict[tuple[int, str], Mapping[str, str]] = {}
     whys: dict[tuple[int, str], Mapping[str, ClaimWhy]] = {}
@@ -100,7 +101,7 @@ def _not(truth: bool | None) -> bool | None:
 def test_sentences_of_the_warehouse_robot() -> None:
     """What the table of situations says, where a recording can show it."""
     folder = HERE / "examples" / "warehouse-robot"
-    monitors, _ = monitors_of(None, sorted(folder.glob("*_config.yml")))
+    monitors, _ = monitors_of(None, [folder / "robot.yml"])
     lines = (folder / "reference_sample.csv").read_text("utf-8").splitlines()
     frames = [line.replace(",", " ") for line in lines if line[:1] != "#"]
     rows = ["t,/lidar/nearest,/localisation/match,/wheels/slip,/battery/level,/drives/available"]
@@ -116,7 +117,7 @@ def test_sentences_of_the_warehouse_robot() -> None:
             frames[k * 7 % len(frames)],
         ]
         rows.append(",".join(map(str, [k / 10, *cells])))
-    parts = of_messages(monitors, [step_rule(one) for one in monitors])
+    parts = played([Member(monitor) for monitor in monitors])
     told = {
         round(frame.t, 1): part.running.why()["FullSpeed"].sentence
         for part, frame in play(parts, _tape("\n".join(rows), monitors))

@@ -8,6 +8,7 @@ import pytest
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from tests.cli import command
 from tests.cli.command import EXAMPLE, ROOT
+from tests.data_files import tabled
 from tests.rows import changes
 
 pytestmark = pytest.mark.slow
@@ -104,14 +105,8 @@ def changes_of(folder: Path, *more: str) -> list[tuple[str, str]]:
     return changes(done.out)
 
 
-@pytest.mark.parametrize(
-    ("model", "times"),
-    [
-        ("frequency: 10", ["0.000", "0.600", "2.100", "10.000"]),
-        ("frequency: 0.01\n  mode: on_change", ["0.000", "0.500", "2.000", "10.000"]),
-    ],
-)
-def test_an_outage_is_seen(tmp_path: Path, model: str, times: list[str]) -> None:
+@tabled
+def test_an_outage_is_seen(model, times, tmp_path):
     """At the next step, or on change when the age ends."""
     configured(tmp_path, "frequency: 10", model)
     wanted = zip(times, ["11", "10", "00", "11"], strict=True)

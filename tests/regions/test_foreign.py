@@ -18,6 +18,7 @@ import pytest
 from eddi_scaffold.regions import __main__ as command
 from eddi_scaffold.regions.marked_file import Region, parse
 from tests.checkouts import git
+from tests.data_files import write_files
 
 pytestmark = pytest.mark.slow
 
@@ -33,9 +34,7 @@ class Work:
     def __init__(self, folder: Path) -> None:
         self.template, self.package = folder / "template", folder / "work" / "package"
         self.versions, self.steps = 0, list(POOL[:3])
-        for name, content in _FILE.findall(README.read_text()):  # as its author would type it
-            (self.template / name).parent.mkdir(parents=True, exist_ok=True)
-            (self.template / name).write_text(content)
+        write_files(self.template, dict(_FILE.findall(README.read_text())))  # as one would type it
         shutil.copytree(TOOL, self.template / "regions", ignore=shutil.ignore_patterns("__py*"))
         git(self.template, "init", "-q")
         self.release()

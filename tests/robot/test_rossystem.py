@@ -11,7 +11,8 @@ import pytest
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.connect.robot import read_robot
 from eddi_scaffold.connect.rossystem import Filters, Parsed, parse
-from tests.data_files import data_text, tabled
+from tests.cli.command import edit
+from tests.data_files import data_text, tabled, write_files
 
 SYSTEM = data_text("robot/robot.rossystem")
 MAST = data_text("robot/mast.rossystem")
@@ -24,9 +25,7 @@ IDS = ["image", "scan", "ticks", "load"]
 def robot(tmp_path: Path) -> Path:
     files = {"robot.rossystem": SYSTEM, "mast.rossystem": MAST}
     files |= {"laser.ros1": LASER, "others.ros1": OTHERS}
-    for name, text in files.items():
-        (tmp_path / name).write_text(text, "utf-8")
-    return tmp_path
+    return write_files(tmp_path, files)
 
 
 def parsed(folder: Path, **options: Any) -> Parsed:
@@ -36,12 +35,6 @@ def parsed(folder: Path, **options: Any) -> Parsed:
     if found.is_changed:
         (folder / "c.yml").write_text(found.after, "utf-8")
     return found
-
-
-def edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text("utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new, 1), "utf-8")
 
 
 def ids(text: str) -> list[str]:

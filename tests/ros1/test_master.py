@@ -111,7 +111,7 @@ def test_publishers_of_another_type(world, master, probe, model_files, tmp_path)
         "__ns:=/typed",
         "_watchdog_period:=0.3",
     )
-    node = world.node(master, "conserta", f"compiled:={model_files['conserta']}", "__ns:=/typed")
+    node = world.node(master, "conserta", "__ns:=/typed")
     level, text, _ = probe.diagnostics(
         "/typed/tester", lambda lv, t, v: " is needed" in t, after=mark
     )

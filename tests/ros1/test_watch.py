@@ -58,20 +58,20 @@ def watch(master):
 
 
 ALL = {"System_A_G0": "active", "System_A_G1": "active"}
-UNKNOWN = dict.fromkeys(ALL, "unknown")
+NONE, UNKNOWN = dict.fromkeys(ALL, "not active"), dict.fromkeys(ALL, "unknown")
 
 
-def test_two_robots_live_die_and_come_back(world, master, watch, model_files):
-    model = f"compiled:={model_files['conserta']}"
-    one = world.node(master, "conserta", model, "__ns:=/robot1")
-    world.node(master, "conserta", model, "__ns:=/robot2")
+def test_two_robots_live_die_and_come_back(world, master, watch):
+    own = "/rte/e0a:=/robot1/rte/e0a"
+    one = world.node(master, "conserta", own, "__ns:=/robot1")
+    world.node(master, "conserta", "__ns:=/robot2")
     source = world.probe(master)
-    demand = {"guarantees": [{"id": "System_B_G0", "active": True}]}
+    demand = {"guarantees": [{"id": "System_A_G0_c2", "active": True}]}
     source.do("every", topic="/robot1/consertb/guarantees", kind=OUTPUT, fields=demand, hz=10)
-    source.publish("/robot1/rte/e0a", BOOL, {"data": True}, latch=True)
+    source.do("every", topic="/robot1/rte/e0a", kind=BOOL, fields={"data": True}, hz=10)
 
     watch.until(lambda robots: states(robots.get("/robot1", ()), "conserta") == ALL)
-    watch.until(lambda robots: states(robots.get("/robot2", ()), "conserta") == UNKNOWN)
+    watch.until(lambda robots: states(robots.get("/robot2", ()), "conserta") == NONE)
     reported = lambda robots: robots["/robot1"][0].report is not None  # noqa: E731
     watch.until(reported)
     (monitor,) = (r.monitors[0] for r in watch.shown.robots if r.name == "/robot1")
@@ -85,13 +85,13 @@ def test_two_robots_live_die_and_come_back(world, master, watch, model_files):
     one.send(signal.SIGKILL)
     at = watch.until(lambda robots: states(robots["/robot1"], "conserta") == UNKNOWN)
     assert 2.5 < at - killed < 4.5
-    world.node(master, "conserta", model, "__ns:=/robot1")
+    world.node(master, "conserta", own, "__ns:=/robot1")
     watch.until(lambda robots: states(robots["/robot1"], "conserta") == ALL, 20.0)
     wanted = [c.state for c in watch.changes if (c.robot, c.id) == ("/robot1", "System_A_G1")]
     assert wanted[-3:] == ["active", "unknown", "active"] or wanted[-2:] == ["unknown", "active"]
 
 
-def test_another_definition_is_not_believed_and_a_master_comes_back(world, tmp_path, model_files):
+def test_another_definition_is_not_believed_and_a_master_comes_back(world, tmp_path):
     master = world.master()
     watch = Watch(master)
     changed = MESSAGES["GuaranteeStatus"].replace("string id", "string name")
@@ -99,8 +99,8 @@ def test_another_definition_is_not_believed_and_a_master_comes_back(world, tmp_p
     liar = world.probe(master, other)
     fields = {"model_id": "Liar", "guarantees": [{"name": "G", "verdict": 2, "missing": []}]}
     liar.publish("/liar/guarantees/status", STATUS, fields, latch=True)
-    world.node(master, "conserta", f"compiled:={model_files['conserta']}", "__ns:=/honest")
-    watch.until(lambda robots: states(robots.get("/honest", ()), "conserta") == UNKNOWN)
+    world.node(master, "conserta", "__ns:=/honest")
+    watch.until(lambda robots: states(robots.get("/honest", ()), "conserta") == NONE)
     watch.until(lambda _: any("another definition" in one for one in watch.source.notes()))
     assert [one.name for one in watch.shown.robots] == ["/honest"]
     master.process.end()
@@ -108,19 +108,19 @@ def test_another_definition_is_not_believed_and_a_master_comes_back(world, tmp_p
     last = watch.shown.robots[0].monitors[0].last  # the node is followed all the same
     watch.until(lambda robots: robots["/honest"][0].last > last + 0.5)
     master.start()
-    world.node(master, "conserta", f"compiled:={model_files['conserta']}", "__ns:=/new")
-    watch.until(lambda robots: states(robots.get("/new", ()), "conserta") == UNKNOWN, 20.0)
+    world.node(master, "conserta", "__ns:=/new")
+    watch.until(lambda robots: states(robots.get("/new", ()), "conserta") == NONE, 20.0)
     watch.close()
     assert "watch" not in str(master.call("getSystemState"))
 
 
-def test_the_command_prints_and_ends(world, master, model_files):
-    world.node(master, "conserta", f"compiled:={model_files['conserta']}", "__ns:=/robot7")
+def test_the_command_prints_and_ends(world, master):
+    world.node(master, "conserta", "__ns:=/robot7")
     env = {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"}
     words = ["watch", "--text", "--master", master.uri, "--robot", "seven=/robot7"]
     command = [sys.executable, "-m", "eddi_scaffold", *words]
     with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True) as running:
         line = running.stdout.readline()
-        assert "  seven  ConSertA  System_A_G0  unknown   RtE_A_" in line
+        assert "  seven  ConSertA  System_A_G0  not active   RtE_A_" in line
         running.send_signal(signal.SIGINT)
         assert running.wait(10) == 130

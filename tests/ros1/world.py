@@ -20,6 +20,10 @@ HERE = Path(__file__).parent
 PYTHON = "/usr/bin/python3"
 PROBES = HERE.parent / "probes"
 RUNTIME = HERE.parents[1] / "runtime_lib" / "src"
+PACKAGES = {
+    "tester": HERE / "tester",
+    "conserta": HERE.parents[1] / "examples/two-conserts/expected/src/eddi_monitor/conserta",
+}
 
 
 def why_no_ros():
@@ -256,7 +260,7 @@ class World:
 
     def env(self, master, messages=None):
         paths = [messages or self.messages, RUNTIME]
-        paths += [HERE / "packages" / name / "src" for name in ("conserta", "tester")]
+        paths += [path / "src" for path in PACKAGES.values()]
         return {
             "PATH": "/usr/sbin:/usr/bin:/sbin:/bin",
             "HOME": str(self.folder),
@@ -286,9 +290,9 @@ class World:
         self._things.append(probe)
         return probe
 
-    def node(self, master, package, *arguments, script=None, env=None):
-        """Start the node of a test package; ``compiled:=PATH`` says which monitor it has."""
-        path = script or HERE / "packages" / package / "scripts" / "RosNode.py"
+    def node(self, master, package, *arguments, env=None):
+        """Start the node of a package; ``compiled:=PATH`` says which monitor the tester has."""
+        path = PACKAGES[package] / "scripts" / "RosNode.py"
         words = [str(one) for one in arguments]
         models = [one for one in words if one.startswith("compiled:=")]
         command = [PYTHON, str(path), *(one for one in words if one not in models)]

@@ -21,6 +21,7 @@ from eddi_scaffold.regions.marked_file import MarkedFile, Region, parse
 from eddi_scaffold.regions.markers import Digests, begin_marker, digest, end_marker, normal
 from eddi_scaffold.regions.package import Plan
 from eddi_scaffold.regions.sync import plan_sync
+from tests.data_files import write_files
 from tests.updates.inputs import Input
 from tests.updates.world import Result, World
 
@@ -117,9 +118,7 @@ class Bare:
         place = self.folder / "rendering"
         for old in sorted(place.rglob("*"), reverse=True):
             old.rmdir() if old.is_dir() else old.unlink()
-        for name, text in self.rendering().items():
-            (place / name).parent.mkdir(parents=True, exist_ok=True)
-            (place / name).write_text(text)
+        write_files(place, self.rendering())
         answers = "".join(f"{one}\n" for one in (self.template, *self.inputs))
         return plan_sync(self.package, place, {".copier-answers.yml": answers.encode()})
 

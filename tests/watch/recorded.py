@@ -11,7 +11,8 @@ from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from eddi_scaffold.recordings.bags import read_bag
-from eddi_scaffold.recordings.playing import of_messages, play, published, step_rule
+from eddi_scaffold.recordings.members import Member
+from eddi_scaffold.recordings.playing import play, played
 from tests.cli.command import ROOT
 
 ROBOT = ROOT / "examples" / "warehouse-robot"
@@ -36,10 +37,10 @@ def warehouse() -> tuple[Published, ...]:
 
 
 def _warehouse() -> Iterator[Published]:
-    monitors, _ = monitors_of(None, sorted(ROBOT.glob("*_config.yml")))
-    parts = of_messages(monitors, [step_rule(one) for one in monitors])
-    tape, _ = read_bag(ROBOT / "shift.bag", monitors, published(monitors))
-    for part, frame in play(parts, tape):
+    monitors, _ = monitors_of(None, [ROBOT / "robot.yml"])
+    members = [Member(monitor) for monitor in monitors]
+    recording, _ = read_bag(ROBOT / "shift.bag", members)
+    for part, frame in play(played(members), recording):
         assert part.publisher is not None
         types = {one.topic: one.publication.type for one in part.publisher.channels}
         for topic, content in part.publisher.messages(part.running, frame.output, types):

@@ -117,7 +117,7 @@ def test_a_known_model_is_drawn_with_its_states() -> None:
     fleet.play(13.0)
     robot = fleet.feed.view.snapshot.robots[0]
     known = words_of(verdict_graph(robot, pictures_of([ROBOT / "warehouse.yml"])))
-    assert known.count("AND") == 2
+    assert known.count("AND") == 0
     at = known.index("lacks")
     assert known[at - 1] == "PathClear"  # evidence of the model
     assert "AND" not in words_of(verdict_graph(robot, {}))
@@ -127,7 +127,7 @@ def test_a_known_model_is_drawn_with_its_states() -> None:
 
 
 def test_models_may_be_named_by_configurations_and_deployment_files() -> None:
-    assert {name for _, name in pictures_of([ROBOT / "warehouse_config.yml"])} == {"warehouse"}
+    assert {name for _, name in pictures_of([ROBOT / "robot.yml"])} >= {"warehouse"}
     of_two = pictures_of([ROBOT.parent / "two-robots" / "deployment.yml"])
     assert {name.lower() for _, name in of_two} >= {"arm", "cart"}
 

@@ -119,6 +119,7 @@ BAD = {
     "a: !!a/b ''": (1, 4, "the tag 'tag:yaml.org,2002:a/b' is not supported here"),
     "a: \x00": (1, 4, "this is not YAML: the character U+0000 is not allowed"),
     "[" * 1000: (1, 33, "nested deeper than the limit of 32"),
+    "[" * 100_000: (1, 1001, "nested deeper than the limit of 32"),  # PyYAML 6.0.4 stops at 1000
     "- " * 100_000: (1, 65, "nested deeper than the limit of 32"),
 }
 
@@ -213,9 +214,3 @@ def test_written_texts_are_texts_in_both_versions(text):
     assert y.value_11(node) == text
     assert y.as_number(node) is None
     assert y.as_bool(node) is None
-
-
-def test_the_limit_of_the_parser_itself_is_told_as_ours():
-    node, (problem,) = read("[" * 100_000)  # PyYAML 6.0.4 looks ahead, and stops at 1000
-    assert node is None
-    assert problem.message == "nested deeper than the limit of 32"

@@ -89,7 +89,8 @@ def _observe(name: str, entry: Values, chain: system.Chain) -> tuple[system.Obse
         input_ = first.input if first.negated else f"not {first.input}"
         fields = {"shown": ", ".join(unseen), "unseen": unseen[0], "input": input_}
         entry.report("R013.observe", "observe", KEY, name=name, **fields)
-    return tuple(observations)
+    # in the order of the states, whatever that of the map: packages remember it sorted
+    return tuple(sorted(observations, key=lambda seen: chain.states.index(seen.state)))
 
 
 def read_tree(name: str, entry: Values, before: system.FaultTree | None) -> system.FaultTree | None:

@@ -102,12 +102,16 @@ def monitor(*args, hooks=None, **kwargs):
 def model_of(net, outputs, observed=()):
     """Return the model of a network by numbers; what is observed has an input of its name."""
     names = net.shape.names
-    nodes = [
+    direct = {names[k]: names[k] for k in observed}
+    return model(nodes_of(net), [names[k] for k in outputs], direct=direct)
+
+
+def nodes_of(net):
+    names = net.shape.names
+    return [
         node(name, net.states[k], [names[one] for one in net.shape.parents[k]], net.tables[k])
         for k, name in enumerate(names)
     ]
-    direct = {names[k]: names[k] for k in observed}
-    return model(nodes, [names[k] for k in outputs], direct=direct)
 
 
 def compiled(net, outputs, observable, **options):
@@ -151,9 +155,9 @@ def network(cards, parents, tables):
     return NumberedNetwork(shape, states, tuple(tuple(map(float, one)) for one in tables), names)
 
 
-def random_network(rng, count, most_parents=3, zeros=0.2, most_states=4):
+def random_network(rng, count, most_parents=3, zeros=0.2, most_states=4, least_states=2):
     """Return a network whose node k has parents below k; rows have zeros and certainties."""
-    cards = [rng.randint(2, most_states) for _ in range(count)]
+    cards = [rng.randint(least_states, most_states) for _ in range(count)]
     parents = [rng.sample(range(k), rng.randint(0, min(k, most_parents))) for k in range(count)]
     tables = []
     for k in range(count):

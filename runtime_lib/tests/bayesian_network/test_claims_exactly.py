@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from .networks import enumerate_all, give, monitor, node, random_network, threshold
+from .networks import enumerate_all, give, monitor, nodes_of, random_network, threshold
 
 SECOND = 1_000_000_000
 EDGES = (1.0, 2.0, 3.0)
@@ -41,12 +41,6 @@ class World:
 
     def monitor(self, memory=True):
         net, names = self.net, self.names
-        nodes = [
-            node(
-                names[k], net.states[k], [names[one] for one in net.shape.parents[k]], net.tables[k]
-            )
-            for k in range(len(names))
-        ]
         limit = {self.key: self.activate, "release": self.release if memory else self.activate}
         states = [net.states[self.node][one] for one in self.states]
         hold = self.hold if memory else 0.0
@@ -60,7 +54,7 @@ class World:
             for k in self.binned
         }
         direct = {names[k]: names[k] for k in self.inputs if k not in self.binned}
-        return monitor(nodes, [names[-1]], bins=bins, direct=direct, thresholds=[one])
+        return monitor(nodes_of(net), [names[-1]], bins=bins, direct=direct, thresholds=[one])
 
     def draw(self, rng, known):
         """Return node -> value or None, of an input each."""

@@ -84,21 +84,6 @@ def test_gaps_and_clocks_that_go_back_are_said():
     assert step(one, 50.1).p_fail >= back.p_fail
 
 
-def test_a_chain_follows_the_verdicts_on_its_states():
-    arcs = [[0, 1, 1e-3], [1, 2, 0.5], [0, 2, 1e-6]]
-    model = chain(arcs, 3, [2], observe=[[0, "ok", False], [1, "ok", True]])
-    one = monitor([model], ["ok"])
-    assert step(one, ok=True).p_fail < 1e-3
-    for i in range(1, 10):
-        assert step(one, i * 0.1, ok=True).p_fail < 1e-3
-    lost = step(one, 1.0, ok=False)
-    assert lost.valid
-    assert lost.p_fail == pytest.approx(-math.expm1(-0.5), rel=2e-2)
-    unknown = step(one, 1.1)
-    assert unknown.p_fail_high == 1.0
-    assert unknown.unknown == ("ok",)
-
-
 def test_the_worst_case_may_count_while_inputs_are_unknown():
     thresholds = [{"id": "go", "activate": 0.999, "release": 0.999, "hold": 0.0}]
     events = [event("exponential", 0.1, input="a"), event("fixed", 0.01)]

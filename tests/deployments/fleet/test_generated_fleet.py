@@ -22,7 +22,7 @@ from eddi_scaffold.monitors.config_reading import read_file
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.platforms import MeetingPlace
 from eddi_scaffold.yaml_text.nodes import read_map
-from tests.cli.command import ROOT, files_below, run
+from tests.cli.command import ROOT, edit, files_below, run
 from tests.data_files import data_text, tabled
 from tests.diagnosed import assert_reported
 from tests.package_texts import facts_in
@@ -82,14 +82,11 @@ def test_commands_of_a_workspace_take_the_folder_of_all_robots(cell: Path, tmp_p
 def test_hand_edits_stay_when_the_fleet_changes(cell: Path, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(cell, tmp_path / "copy"))
     body = package(folder, "cart", "cart") / "src" / "cart" / "EDDIInput.py"
-    text = body.read_text("utf-8")
-    line = "self.WayIsFree = scanner.data"
-    assert line in text
-    body.write_text(text.replace(line, f"{line}  # mine"), "utf-8")
+    edit(body, "self.WayIsFree = scanner.data", "self.WayIsFree = scanner.data  # mine")
     deployment = folder / "deployment.yml"
     more = "  - {name: arm2, monitors: [{config: arm_config.yml}]}\nBindings:"
-    changed = deployment.read_text("utf-8").replace("Bindings:", more).replace("[arm]", "any")
-    deployment.write_text(changed, "utf-8")
+    edit(deployment, "Bindings:", more)
+    edit(deployment, "[arm]", "any")
     before = files_below(folder / "cell")
     dry = run("generate", "deployment.yml", "-o", "cell", "--dry-run", cwd=folder)
     assert dry.status == 0, dry.err
@@ -101,7 +98,7 @@ def test_hand_edits_stay_when_the_fleet_changes(cell: Path, tmp_path: Path) -> N
     node = (package(folder, "cart", "cart") / "scripts" / "RosNode.py").read_text("utf-8")
     assert "'peer_any_Parked'" in node
 
-    deployment.write_text(deployment.read_text("utf-8").replace("lease: 1.0", "lease: 0.1"))
+    edit(deployment, "lease: 1.0", "lease: 0.1")
     before = files_below(folder)
     assert run("generate", "deployment.yml", "-o", "cell", cwd=folder).status == 2
     assert files_below(folder) == before
@@ -119,19 +116,8 @@ def test_hand_edits_stay_when_the_fleet_changes(cell: Path, tmp_path: Path) -> N
     assert "arm2 is no robot of the deployment file" in result.err
 
 
-@pytest.mark.parametrize(
-    ("station", "platform", "graph"),
-    [
-        ("", "dds", MeetingPlace("domain", "4")),
-        ("Station: {platform: ros2}", "ros2", MeetingPlace("domain", "4")),
-        ("Station: {platform: dds, domain: 4}", "dds", MeetingPlace("domain", "4")),
-        ("Station: {domain: 5}", "dds", MeetingPlace("domain", "5")),
-        ("Station: {platform: ros1, name: desk}", "ros1", MeetingPlace("master", "")),
-    ],
-)
-def test_the_station_is_where_the_first_robot_is(
-    station: str, platform: str, graph: MeetingPlace
-) -> None:
+@tabled
+def test_the_station_is_where_the_first_robot_is(station, platform, graph):
     arms = "\n".join(
         f"  - {{name: arm{number}, platform: {place}, monitors: [{{config: arm_config.yml}}]}}"
         for number, place in enumerate(["dds, domain: 4", "dds, domain: 5", "ros1"])
@@ -140,9 +126,9 @@ def test_the_station_is_where_the_first_robot_is(
     fleet, problems = read_whole_fleet(source, checked_models)
     assert fleet is not None, problems
     found = with_station(fleet).robots[-1]
-    assert (found.platform.name, found.graph) == (platform, graph)
+    assert (found.platform.name, found.graph) == (platform, MeetingPlace(*graph))
     (binding,) = with_station(fleet).bindings
-    assert binding.fulfilments[0].provider.robot.graph == graph
+    assert binding.fulfilments[0].provider.robot.graph == found.graph
 
 
 def test_how_a_robot_is_started_where_it_meets_others() -> None:

@@ -10,6 +10,7 @@ from eddi_runtime import Monitor as RunningMonitor
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.playing import compiled
+from tests.data_files import write_files
 from tests.deployments.pool.conserts import conserts, ring, unsound_conserts
 from tests.deployments.pool.events import events, unsound_events
 from tests.deployments.pool.networks import bare_network, networks, scopes
@@ -55,8 +56,7 @@ def offering(offer: str) -> Sequence[Template]:
 @cache
 def bound(template: Template) -> BoundMonitor:
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in template.files.items():
-            (Path(folder) / name).write_text(text, encoding="utf-8")
+        write_files(Path(folder), template.files)
         (monitor,), _ = monitors_of(None, [Path(folder) / f"{template.name}_config.yml"])
     return monitor
 

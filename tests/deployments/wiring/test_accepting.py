@@ -6,7 +6,7 @@ from pathlib import Path
 from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.packages.assembly import monitors_of
-from tests.cli.command import run
+from tests.cli.command import edit, run
 from tests.data_files import data_text, tabled
 from tests.deployments.wiring.test_wiring import CONSERT
 
@@ -15,18 +15,16 @@ LIMITLESS = ", requires: [s], field: data, max_age: none"
 UNSAFE = ", requires: [s], field: data, max_age: 1.0, default: true, allow_unsafe_default: true"
 
 
-def written(folder: Path, entry: str, more: str = "", source: str = "") -> Path:
+def written(folder: Path, entry: str, more: str = ", parameters: [{model: base.yml}]") -> Path:
     (folder / "base.yml").write_text(CONSERT.format(), "utf-8")
     config = folder / "base_config.yml"
-    config.write_text(CONFIG.format(input=entry, more=more, source=source), "utf-8")
+    config.write_text(CONFIG.format(input=entry, more=more), "utf-8")
     return config
 
 
 @tabled
 def test_the_monitor_is_told_what_it_cannot_see(entry, keys, tmp_path):
-    (monitor,), _ = monitors_of(
-        None, [written(tmp_path, entry, ", parameters: [{model: base.yml}]")]
-    )
+    (monitor,), _ = monitors_of(None, [written(tmp_path, entry)])
     (spec,) = monitor.compiled.monitor(monitor.id).inputs
     assert [*spec.accepts] == keys
 
@@ -34,9 +32,8 @@ def test_the_monitor_is_told_what_it_cannot_see(entry, keys, tmp_path):
 @tabled
 def test_infinity_is_accepted_by_whoever_writes_it(expression, keys, tmp_path):
     entry = f", expression: {json.dumps(expression)}, max_age: 1.0"
-    config = written(tmp_path, entry, ", parameters: [{model: base.yml}]")
-    text = config.read_text("utf-8").replace("std_msgs.Bool", "sensor_msgs.LaserScan")
-    config.write_text(text, "utf-8")
+    config = written(tmp_path, entry)
+    edit(config, "std_msgs.Bool", "sensor_msgs.LaserScan")
     (monitor,), _ = monitors_of(None, [config])
     (spec,) = monitor.compiled.monitor(monitor.id).inputs
     assert [*spec.accepts] == keys
@@ -49,7 +46,7 @@ class Message:
 
 
 def test_a_default_is_in_use_until_the_first_message(tmp_path: Path) -> None:
-    config = written(tmp_path, UNSAFE, ", parameters: [{model: base.yml}]")
+    config = written(tmp_path, UNSAFE)
     (made,), _ = monitors_of(None, [config])
     monitor = made.compiled.monitor(made.id)
     told = EDDIInputBase()
@@ -71,7 +68,7 @@ SAID = "input 'E' of Base, `max_age: none`: Base.G rests on the last value of /f
 
 
 def test_show_of_a_configuration_lists_it(tmp_path: Path) -> None:
-    written(tmp_path, LIMITLESS, ", parameters: [{model: base.yml}]")
+    written(tmp_path, LIMITLESS)
     for words in (["base_config.yml"], ["base.yml", "-c", "base_config.yml"]):
         shown = run("show", *words, cwd=tmp_path)
         assert (shown.status, shown.out.splitlines()[-2:]) == (0, ["accepted:", f"  {SAID}"])
@@ -83,7 +80,7 @@ def test_show_of_a_configuration_lists_it(tmp_path: Path) -> None:
 
 @tabled
 def test_show_of_a_configuration_that_cannot_be(words, status, code, tmp_path):
-    good = written(tmp_path, ", requires: [s], field: data, max_age: 1.0")
+    good = written(tmp_path, ", requires: [s], field: data, max_age: 1.0", "")
     wrong = good.read_text("utf-8").replace("field: data", "field: nope")
     (tmp_path / "wrong.yml").write_text(wrong, "utf-8")
     shown = run("show", *words, cwd=tmp_path)

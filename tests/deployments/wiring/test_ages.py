@@ -109,20 +109,9 @@ def test_a_message_of_a_monitor_is_unknown_after_a_second(source, entry, limit, 
     assert together["top"].compiled.text == alone["top"].compiled.text
 
 
-@pytest.mark.parametrize(
-    ("frequency", "age", "case"),
-    [
-        (2.0, "", None),
-        (1.0, ", max_age: 2", None),
-        (1.0, ", max_age: none", None),
-        (1.0, "", "K029.default_below_period"),
-        (1.0, ", max_age: 1.9", "K029.below_period"),
-    ],
-)
+@tabled
 @pytest.mark.parametrize("how", ["requires", "expression", "status"])
-def test_a_publisher_that_is_too_slow_for_the_limit(
-    frequency: float, age: str, case: str | None, how: str, tmp_path: Path
-) -> None:
+def test_a_publisher_that_is_too_slow_for_the_limit(frequency, age, case, how, tmp_path):
     source = STATUS if how == "status" else BASE
     entry = {"requires": READ, "status": READ_STATUS, "expression": EXPRESSION}[how]
     files = [

@@ -12,8 +12,8 @@ from eddi_scaffold.deployments.support import WiredMonitor, wired
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
-from tests.cli.command import Result, run
-from tests.data_files import ORACLES, data_text
+from tests.cli.command import Result, edit, run
+from tests.data_files import ORACLES, data_text, write_files
 from tests.package_texts import facts_in
 
 CONSERT = data_text("deployments/consert.yml")
@@ -65,10 +65,8 @@ def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
     """A guarantee on a std_msgs topic: false is also UNKNOWN there, whatever it is read for."""
     member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")
     path = tmp_path / "base_config.yml"
-    text = path.read_text("utf-8").replace(
-        "EDDIOutputs: [", "EDDIOutputs: [{id: g, topic: base/g, field: 'guarantees[G].active'}, "
-    )
-    path.write_text(text, "utf-8")
+    alone = "{id: g, topic: base/g, field: 'guarantees[G].active'}"
+    edit(path, "EDDIOutputs: [", f"EDDIOutputs: [{alone}, ")
     base = wired(monitors_of(None, [path])[0][0])
     source = "  - {id: g, type: std_msgs.Bool, topic: base/g}"
     good = member(tmp_path, "good", "good/out", source, "requires: [g]")
@@ -96,7 +94,7 @@ def test_class_names_are_the_ids_that_others_read(tmp_path: Path) -> None:
     with pytest.raises(EddiError) as refused:
         monitors_of(None, ring)
     assert codes(list(refused.value.problems)) == ["D003"]
-    ring[0].write_text(ring[0].read_text("utf-8").replace("AllFine", "all_fine"))
+    edit(ring[0], "AllFine", "all_fine")
     with pytest.raises(EddiError) as refused:
         monitors_of(None, ring)
     assert "b publishes no 'all_fine'" in str(refused.value)
@@ -105,23 +103,10 @@ def test_class_names_are_the_ids_that_others_read(tmp_path: Path) -> None:
 def test_silence_is_followed_through_another_input(tmp_path: Path) -> None:
     """An expression that turns another input round turns what that one reads round."""
     member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")
-    source = "  - {id: b, type: eddi_messages.ConSertOutput, topic: base/out}"
-    (tmp_path / "e.events").write_text(
-        "VAR g : BOOL TIMEOUT 1s\nVAR h : BOOL TIMEOUT 1s\nEVENT ok (EVIDENCE) := h AND (g OR h)",
-        "utf-8",
-    )
-    config = tmp_path / "e_config.yml"
-    config.write_text(
-        f"Model: {{id: e, type: Event, parameters: [{{file: e.events}}]}}\n"
-        f"SimulatorOutputs:\n{source}\n"
-        "EDDIInputs:\n"
-        "  - {id: g, type: bool, requires: [b], field: 'guarantees[G].active', max_age: 1}\n"
-        "  - {id: h, type: bool, expression: NOT g, max_age: 1}\n"
-        "EDDIOutputs: [{id: o, topic: e/out}]\n",
-        "utf-8",
-    )
+    names = ("turned.events", "turned_config.yml")
+    write_files(tmp_path, {name: data_text(f"deployments/{name}") for name in names})
     with pytest.raises(EddiError) as refused:
-        monitors_of(None, [tmp_path / "base_config.yml", config])
+        monitors_of(None, [tmp_path / "base_config.yml", tmp_path / names[1]])
     (problem,) = refused.value.problems
     assert (problem.code, problem.message.partition(" by ")[0]) == (
         "D001", "input 'g' gains from silence",
@@ -134,8 +119,7 @@ WORKSPACE = Path("src/eddi_monitor")
 
 
 def _generate(case: dict[str, Any], configs: list[str], target: Path) -> Result:
-    for name, text in case["files"].items():
-        (target.parent / name).write_text(text, "utf-8")
+    write_files(target.parent, case["files"])
     target.mkdir(exist_ok=True)
     place = ["-w" if case["platform"] == "ros1" else "-o", target]
     given = [word for config in configs for word in ("-c", config)]
@@ -171,23 +155,6 @@ def test_every_order_makes_the_same_files(case: dict[str, Any], tmp_path: Path) 
                 if case["platform"] == "ros1":  # a plain program knows no messages, only values
                     assert f"{seconds} s" in (root / package / "README.md").read_text("utf-8")
     assert all(one == made[0] for one in made)
-
-
-def test_who_maintains_what_is_shared_does_not_rest_on_the_order(tmp_path: Path) -> None:
-    case = next(case for case in CASES if case["id"] == "reader_first")
-    files = {
-        name: text + ("Package: {maintainer: Ada <ada@example.org>}\n" if "ferry_" in name else "")
-        + ("Package: {maintainer: Bob <bob@example.org>}\n" if "wind_" in name else "")
-        for name, text in case["files"].items()
-    }  # fmt: skip
-    found = set()
-    for number, commands in enumerate(case["sequences"][2:4]):
-        target = tmp_path / str(number)
-        for configs in commands:
-            assert _generate({**case, "files": files}, configs, target).status == 0
-        found.add((_root(case, target) / "eddi_messages/package.xml").read_text("utf-8"))
-    (text,) = found
-    assert "ada@example.org" in text
 
 
 def _age(package: Path, input_: str) -> float | str | None:

@@ -1,7 +1,10 @@
 """Networks for tests: files of the oracle, and random ones with a brute-force answer."""
 
-import math
+import json
+from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
+from random import Random
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
 from hypothesis import strategies as st
@@ -9,10 +12,11 @@ from hypothesis import strategies as st
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import Model, ReadResult, kinds
-from eddi_scaffold.kinds.bayesian_network.network import Network, Node
+from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
+from runtime_lib.tests.bayesian_network.networks import nodes_of, random_network
 
 KIND = kinds()["bayesian_network"]
 
@@ -38,37 +42,29 @@ def joined(model: Model, config: str | None = None) -> tuple[BoundMonitor | None
     return monitor, [*problems, *more]
 
 
+def of_states(outputs: Iterable[str], observed: Iterable[str]) -> str:
+    """Return a configuration in which messages report the states of some nodes."""
+    rows = (f"- {{id: {json.dumps(name)}, requires: [x], max_age: none}}\n" for name in observed)
+    return (
+        f"Model: {{id: net, type: BayesianNetwork, outputs: {json.dumps([*outputs])}}}\n"
+        "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
+        f"EDDIInputs:\n{''.join(rows)}"
+    )
+
+
 def running(monitor: BoundMonitor) -> BayesianNetworkMonitor:
     found = monitor.compiled.monitor(monitor.id)
     assert isinstance(found, BayesianNetworkMonitor)
     return found
 
 
-@st.composite
-def networks(draw: st.DrawFn, most: int = 6) -> Network:
+def networks(most: int = 6) -> st.SearchStrategy[Network]:
     """Small random networks with zeros, certain nodes and rows, and parents in any order."""
-    count = draw(st.integers(1, most))
-    cards = [draw(st.integers(1, 3)) for _ in range(count)]
-    nodes = []
-    for k in range(count):
-        parents = draw(st.lists(st.integers(0, k - 1), unique=True, max_size=3)) if k else []
-        rows = math.prod(cards[p] for p in parents)
-        table: list[float] = []
-        for _ in range(rows):
-            weights = draw(st.lists(st.integers(0, 4), min_size=cards[k], max_size=cards[k]))
-            total = sum(weights) or 1
-            values = (
-                [w / total for w in weights] if sum(weights) else [1.0, *[0.0] * (cards[k] - 1)]
-            )
-            table += [value / math.fsum(values) for value in values]
-        nodes.append(
-            Node(
-                f"n{k}",
-                f"n{k}",
-                tuple(f"s{j}" for j in range(cards[k])),
-                tuple(f"n{p}" for p in parents),
-                tuple(table),
-            )
-        )
-    order = draw(st.permutations(nodes))
-    return Network("net", tuple(order))
+    return st.randoms().map(partial(_network, most))
+
+
+def _network(most: int, chance: Random) -> Network:
+    net = random_network(chance, chance.randint(1, most), zeros=0.4, most_states=3, least_states=1)
+    nodes = nodes_of(net)
+    chance.shuffle(nodes)
+    return Network("net", tuple(nodes))

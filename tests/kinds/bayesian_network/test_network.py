@@ -2,6 +2,7 @@
 
 import gzip
 import importlib.util
+import random
 import subprocess
 import sys
 import warnings
@@ -16,6 +17,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds import Model
 from eddi_scaffold.kinds.bayesian_network import cross_check as crosscheck
+from eddi_scaffold.kinds.bayesian_network import inference_plan
 from eddi_scaffold.kinds.bayesian_network.method_module import proposed_bins
 from eddi_scaffold.kinds.bayesian_network.network import Network, identifiers, xdsl_ids
 from eddi_scaffold.kinds.bayesian_network.network_model import NetworkModel
@@ -23,7 +25,14 @@ from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.cli.command import ROOT, run
 from tests.diagnosed import assert_reported
 from tests.interpreters import old_python
-from tests.kinds.bayesian_network.networks import joined, networks, read, read_path, running
+from tests.kinds.bayesian_network.networks import (
+    joined,
+    networks,
+    of_states,
+    read,
+    read_path,
+    running,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -115,11 +124,7 @@ def test_a_network_that_is_too_wide_is_shown_and_drawn_but_no_monitor(tmp_path: 
     assert_reported("B301", shown.err)
     assert run("diagram", "grid.xdsl", "-o", "grid.svg", cwd=tmp_path).status == 0
     assert "G5_5" in (tmp_path / "grid.svg").read_text("utf-8")
-    config = (
-        "Model: {id: grid, type: BayesianNetwork, outputs: [G5_5]}\n"
-        "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
-        "EDDIInputs: [{id: G0_0, requires: [x], max_age: 1}]\n"
-    )
+    config = of_states(["G5_5"], ["G0_0"])
     monitor, problems = joined(read_path(tmp_path / "grid.xdsl"), config)
     assert monitor is None
     assert "B301.too_large" in [problem.case for problem in problems]
@@ -215,6 +220,32 @@ def test_public_networks_are_read(name: str) -> None:
     assert {one.code for one in reading.problems} <= {"B113"}
     nodes = reading.models[0].data.nodes
     assert (len(nodes), sum(len(node.table) for node in nodes)) == SIZES[name]
+
+
+COMPARED = ("water", *(name for name in SIZES if name not in ("earthquake", "survey")))
+SETS = 100 if settings.default.max_examples > 1000 else 3
+"""Of evidence, hard only, and hard and virtual; more in the long profile."""
+
+
+@pytest.mark.parametrize("tables", [True, False])
+@pytest.mark.parametrize("name", COMPARED)
+def test_public_networks_have_the_posteriors_of_pgmpy(
+    name: str, tables: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two nodes, for evidence of half of the others, hard and soft."""
+    limits = {"TOLERANCE": 1e-12, "EVERY_CASE": 0, "CASES": SETS, "SOFT_CASES": SETS}
+    for key, value in limits.items():
+        monkeypatch.setattr(crosscheck, key, value)
+    if not tables:
+        monkeypatch.setattr(inference_plan, "fits", lambda *_: False)
+    (model,) = read(shipped(name), "n.bif").models
+    names = model.data.names()
+    picked = random.Random(name).sample(names, len(names))
+    observed = picked[2 : 2 + min(len(names) // 2, 12)]
+    monitor, problems = joined(model, of_states(picked[:2], observed))
+    assert monitor is not None, problems
+    result = monitor.model.cross_check(lambda: running(monitor))
+    assert result.problems == ()
 
 
 @pytest.mark.parametrize("form", ["bif", "xdsl"])

@@ -14,7 +14,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
 from eddi_scaffold.platforms.ros_packages import messages_of
-from tests.kinds.bayesian_network.networks import joined, read, read_path, running
+from tests.kinds.bayesian_network.networks import joined, of_states, read, read_path, running
 from tests.kinds.bayesian_network.test_network import EXAMPLE
 
 KEYS = (
@@ -162,13 +162,7 @@ def test_a_common_child_connects_only_when_it_is_observed(
     inputs: list[str], told: list[str]
 ) -> None:
     (model,) = read(CHAIN, "n.xdsl").models
-    entries = "".join(f"- {{id: {name}, requires: [x], max_age: none}}\n" for name in inputs)
-    text = (
-        "Model: {id: net, type: BayesianNetwork, outputs: [B]}\n"
-        "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
-        f"EDDIInputs:\n{entries}"
-    )
-    _, problems = joined(model, text)
+    _, problems = joined(model, of_states(["B"], inputs))
     found = [problem.message for problem in problems if problem.code == "B305"]
     assert found == [f"the observed node {name!r} cannot influence any output" for name in told]
 
@@ -202,15 +196,6 @@ def test_evidence_has_a_topic_and_a_message_of_its_own(tmp_path: Path) -> None:
     assert companion["type_text"] == "eddi_messages/BayesianNetworkEvidence"
     assert (alone["topic"], alone["type_text"]) == ("'risk_is_low'", "std_msgs/Bool")
     assert "('evidence', ('id', 'RiskIsLow'), 'active',)" in alone["more"]
-
-
-def test_a_value_beside_the_result_is_published_alone(tmp_path: Path) -> None:
-    row = "\n  - {id: go, topic: go, field: 'evidence[Safe].active'}\n"
-    package, problems = monitor_answers(pedestrian(tmp_path, MORE, row))
-    assert problems == []
-    *_, own = package.answers["publications"]
-    assert (own["topic"], own["type_text"]) == ("'go'", "std_msgs/Bool")
-    assert "of='evidence'," in own["more"]
 
 
 def test_people_are_told_what_evidence_asks_for(tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
 """The oracle: posteriors, discretisation, what is wrong with damaged files, and exports."""
 
-import json
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +11,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.monitors.loading import read_models
 from tests.data_files import data_file
-from tests.kinds.bayesian_network.networks import joined, read, read_path, running
+from tests.kinds.bayesian_network.networks import joined, of_states, read, read_path, running
 
 
 @cache
@@ -45,15 +44,7 @@ def row(network: Network, wanted: str) -> list[float]:
 @pytest.mark.parametrize("case", cases("posteriors"), ids=ident)
 def test_posteriors(case: dict[str, Any]) -> None:
     model = read_path(data_file("bn/" + case["file"]))
-    names = json.dumps(case["outputs"])
-    nodes = "".join(
-        f"  - {{id: {json.dumps(one)}, requires: [x], max_age: none}}\n" for one in case["evidence"]
-    )
-    config = (
-        f"Model: {{id: net, type: BayesianNetwork, outputs: {names}}}\n"
-        f"SimulatorOutputs: [{{id: x, type: std_msgs.String, topic: /x}}]\nEDDIInputs:\n{nodes}"
-    )
-    monitor, problems = joined(model, config)
+    monitor, problems = joined(model, of_states(case["outputs"], case["evidence"]))
     assert monitor is not None, problems
     machine = running(monitor)
     attributes = {binding.model.id: binding.attribute for binding in monitor.inputs}

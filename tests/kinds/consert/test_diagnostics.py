@@ -17,23 +17,15 @@ from eddi_scaffold.common.catalogue import area
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.graph import path_sets
+from tests.data_files import data_text
 from tests.diagnosed import Cases
 from tests.kinds.consert.example import monitor_of
 
-SOUND = {
-    "guarantees": "guarantees:\n  - id: G\n    dimensions:\n      - Binary: {type: Safe}\n",
-    "demands": "demands: []\n",
-    "evidence": "evidence:\n  - id: E\n    dimension:\n      Binary: {type: Seen}\n",
-    "gates": "gates: []\n",
-    "tree_propagations": "tree_propagations:\n  - {from: E, to: G}\n",
-    "required_services": "required_services: []\n",
-    "provided_services": "provided_services: []\n",
-}
-
 
 def changed(given: str) -> str:
-    sections = [part for part in re.split(r"(?m)^(?=\S+:)", given) if part]
-    return "".join({**SOUND, **{part.partition(":")[0]: part for part in sections}}.values())
+    """Return the sound ConSert with some sections in the place of its own."""
+    parts = re.split(r"(?m)^(?=\S+:)", data_text("conserts/sound.yml") + given)
+    return "".join({part.partition(":")[0]: part for part in parts if part}.values())
 
 
 REPORTED = Cases(Path(__file__).with_name("diagnostics.txt"))

@@ -25,17 +25,12 @@ from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from tests.data_files import data_file
 from tests.diagnosed import Cases
 from tests.eddi_xml.eddi_texts import MODELS, OLDER, ROVER, SAFETY_CASE, read, texts
-
-
-def _oracle() -> list[dict[str, object]]:
-    path = data_file("conserts/oracle.yml")
-    entries: list[dict[str, object]] = yaml.safe_load(path.read_text())["xml_import"]
-    return entries
+from tests.kinds.consert.example import oracle
 
 
 def test_texts_of_the_oracle_agree() -> None:
     checked = 0
-    by_id = {entry["id"]: entry for entry in _oracle()}
+    by_id = {entry["id"]: entry for entry in oracle()["xml_import"]}
     for entry in by_id.values():
         if "text" not in entry or "error" in entry:
             continue
@@ -115,7 +110,7 @@ def described(value: object) -> object:
 
 
 def test_the_shared_example_gives_the_models_of_the_oracle() -> None:
-    want = yaml.load(data_file("conserts/oracle.yml").read_text(), yaml.CSafeLoader)["models"]
+    want = oracle()["models"]
     conserts, problems = read(_example())
     assert problems == []
     for consert in conserts:

@@ -148,7 +148,7 @@ def test_a_ladder_of_shared_gates_is_linear():
     gates, edges, below = [], [], ("E", "E")
     for level in range(500):
         pair = (f"a{level}", f"o{level}")
-        gates += [(pair[0], "And"), (pair[1], "Or")]
+        gates += [f"{pair[0]}&", f"{pair[1]}|"]
         edges += [(source, target) for target in pair for source in dict.fromkeys(below)]
         below = pair
     edges += [(source, "G") for source in below]
@@ -166,7 +166,7 @@ def test_every_knot_is_reported_once(count):
     edges = [("E", "G")]
     for n in range(count):
         edges += [(f"a{n}", f"b{n}"), (f"b{n}", f"a{n}"), (f"a{n}", f"a{n + 1}")]
-    gates = [(f"{kind}{n}", "And") for n in range(count + 1) for kind in "ab"]
+    gates = [f"{kind}{n}&" for n in range(count + 1) for kind in "ab"]
     problems = check_consert(of_one_evidence(gates, edges))[1]
     cycles = [problem.message for problem in problems if problem.code == "C010"]
     assert cycles == [f"cycle: a{n} -> b{n} -> a{n}" for n in range(count)]

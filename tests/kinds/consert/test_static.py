@@ -10,17 +10,9 @@ from hypothesis import strategies as st
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.checks import static_checks
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    ConSert,
-    Evidence,
-    Gate,
-    Guarantee,
-    Propagation,
-    ProvidedService,
-)
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.graph import constants, path_sets
+from runtime_lib.tests.conserts import consert as consert_of
 from tests.kinds.consert.example import as_source, oracle
 
 MORE = {
@@ -83,33 +75,22 @@ def test_composition_agrees():
     assert wrong == []
 
 
-B = BinaryDimension("T")
-
-
 def consert(guarantees, gates, edges, leaves="abc", services=()):
-    return ConSert(
-        "C",
-        tuple(Guarantee(g, (B,)) if isinstance(g, str) else g for g in guarantees),
-        (),
-        tuple(Evidence(leaf, B) for leaf in leaves),
-        tuple(Gate(id_, function) for id_, function in gates),
-        tuple(Propagation(*edge.split(">")) for edge in edges.split()),
-        (),
-        tuple(ProvidedService(f"S{n}", "T", tuple(ids)) for n, ids in enumerate(services)),
-    )
+    provided = [(f"S{n}", ids) for n, ids in enumerate(services)]
+    return consert_of(leaves, (), gates, guarantees, edges.split(), provided).model.data
 
 
 PAIRS = [(f"l{n}", f"r{n}") for n in range(12)]
 LADDER = " ".join(f"l{n}>o{n} r{n}>o{n} o{n}>G" for n in range(12))
-RANKED = (Guarantee("W", (B,), ranking=1), Guarantee("S", (B,), ranking=2))
-DEFAULTS = tuple(Guarantee(id_, (B,), default=True) for id_ in "DE")
+RANKED = ({"id": "W", "ranking": 1}, {"id": "S", "ranking": 2})
+DEFAULTS = tuple({"id": id_, "default": True} for id_ in "DE")
 CASES = {
     "constants": (
-        consert(["T", "F"], [("t", "And"), ("f", "Or")], "t>T f>F a>F a>t2"),
+        consert(["T", "F"], ["t&", "f|"], "t>T f>F a>F a>t2"),
         ["S001 T", "S001 F", "S002.element a"],
     ),
     "redundancy": (
-        consert(["G"], [("o", "Or")], "a>o b>o a>G o>G"),
+        consert(["G"], ["o|"], "a>o b>o a>G o>G"),
         ["S002.element b", "S002.gate o"],
     ),
     "equal functions and implication": (
@@ -117,13 +98,13 @@ CASES = {
         ["S003.same H I", "S003.implies H G", "S003.implies I G", "S007 S0 a"],
     ),
     "ranking against implication, and two defaults": (
-        consert([*RANKED, *DEFAULTS], [("o", "Or")], "a>o b>o o>W a>S b>S", services=["WSDE"]),
+        consert([*RANKED, *DEFAULTS], ["o|"], "a>o b>o o>W a>S b>S", services=["WSDE"]),
         ["S005.defaults S0 D E", "S003.implies S W", "S005.dominated S W S"],
     ),
     "too many sets": (
         consert(
             ["G"],
-            [(f"o{n}", "Or") for n in range(12)],
+            [f"o{n}|" for n in range(12)],
             LADDER,
             leaves=[leaf for pair in PAIRS for leaf in pair],
         ),
@@ -149,8 +130,8 @@ def random_conserts(draw):
         below = [*leaves, *gates[: min(index, len(gates))]]
         sources = draw(st.lists(st.sampled_from(below), max_size=4, unique=True))
         edges += [f"{source}>{node}" for source in sources]
-    functions = [(gate, draw(st.sampled_from(["And", "Or"]))) for gate in gates]
-    return consert(["G", "H"], functions, " ".join(edges), leaves=leaves, services=["GH"])
+    gates = [gate + draw(st.sampled_from("&|")) for gate in gates]
+    return consert(["G", "H"], gates, " ".join(edges), leaves=leaves, services=["GH"])
 
 
 def evaluated(model, true_leaves):

@@ -1,4 +1,4 @@
-"""Events as a kind: a file becomes a monitor, a package, and runs on recorded inputs."""
+"""Events as a kind: a file becomes a monitor and a package, and so does a map of an EDDI."""
 
 import json
 from dataclasses import replace
@@ -12,94 +12,32 @@ from eddi_scaffold import api
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import Model, Options
-from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.recordings.playing import compiled
+from eddi_scaffold.platforms.ros1 import monitor_answers
 from tests.cli.command import run
-from tests.rows import played
-
-TEXT = """\
-VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 1s
-VAR warning : BOOL TIMEOUT 1s
-EVENT hot (EVIDENCE) := AVERAGE(temp, 500ms) > 100 degC AND TIME(warning, 500ms)
-EVENT cold (HAZARD) := temp < 10
-"""
-CONFIG = """\
-Model: {id: overheat, type: Event, frequency: 10, parameters: [{file: overheat.events}]}
-SimulatorOutputs:
-  - {id: temp, type: std_msgs.Float32, topic: /temp}
-  - {id: warning, type: std_msgs.Bool, topic: /warning}
-EDDIInputs:
-  - {id: temp, type: float, requires: [temp], field: data, max_age: 1}
-  - {id: warning, type: bool, requires: [warning], field: data, max_age: 1}
-EDDIOutputs:
-  - {id: overheat, topic: /events}
-"""
-CSV = "t,temp,warning\n" + "".join(f"{k / 10},{120 if k < 8 else 5},true\n" for k in range(14))
+from tests.data_files import data_text
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    (tmp_path / "overheat.events").write_text(TEXT)
-    (tmp_path / "eddi_config.yml").write_text(CONFIG)
-    (tmp_path / "values.csv").write_text(CSV)
-    return tmp_path
-
-
-def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) -> None:
-    both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
-    assert "overheat.events:4:7: warning: 2 events share one topic" in both.err
-    config = folder / "eddi_config.yml"
-    text = config.read_text()
-    outputs = "EDDIOutputs:\n  - {id: e, topic: /e, event: %s}\n"
-    (first, *_) = [line.split()[1] for line in TEXT.splitlines() if line.startswith("EVENT")]
-    config.write_text(text.partition("EDDIOutputs:")[0] + outputs % first)
-    apart = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
-    assert "W005" not in apart.err
-    (folder / "ws" / "src").mkdir(parents=True)
-    words = ("generate", "-w", "ws", "-m", "overheat.events", "-c", "eddi_config.yml")
-    assert run(*words, cwd=folder).status == 0
-    (node,) = (folder / "ws/src").glob("*/*/scripts/RosNode.py")
-    assert f"only={first!a}," in node.read_text()
-    config.write_text(text.partition("EDDIOutputs:")[0] + outputs % "nothing")
-    wrong = run(*words, cwd=folder)
-    assert (wrong.status, "[K020]" in wrong.err) == (2, True)
-    config.write_text(text)
-    (folder / "overheat.events").write_text(TEXT.rpartition("EVENT")[0])
-    alone = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
-    assert "W005" not in alone.err
-
-
-def test_run_on_recorded_inputs(folder: Path) -> None:
-    words = ("run", "overheat.events", "-c", "eddi_config.yml", "-i", "values.csv", "--json")
-    result = run(*words, cwd=folder)
-    assert result.status == 0, result.err
-    rows = [json.loads(line)["outputs"] for line in result.out.splitlines()]
-    assert [row[0]["verdict"] for row in rows] == [None] * 4 + [True] * 4 + [False] * 6
-    assert [row[1]["raised"] for row in rows] == [False] * 8 + [True] + [False] * 5
-    alone = run("run", "overheat.events", "-i", "values.csv", "--json", cwd=folder)
-    assert alone.out == result.out
-
-
-SCAN = """\
-VAR scan.ranges[*] : NUMBER UNIT m TIMEOUT 1s ALLOW INF
-EVENT free (EVIDENCE) := MIN(scan.ranges[*], COVERAGE 0.5) > 80 cm
-"""
-SCAN_CONFIG = """\
-Model: {id: scanner, type: Event, frequency: 10, parameters: [{file: scanner.events}]}
-SimulatorOutputs:
-  - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}
-EDDIInputs:
-  - {id: "scan.ranges[*]", type: "float[]", requires: [scan], field: ranges}
-EDDIOutputs:
-  - {id: scanner, topic: /events}
-"""
+def test_each_event_has_a_topic_of_its_own_where_the_configuration_says_so(tmp_path: Path) -> None:
+    """Else the last message of a topic may be from any of them: that is no evidence (W005)."""
+    config = tmp_path / "eddi_config.yml"
+    text = data_text("events/overheat_config.yml")
+    (tmp_path / "overheat.events").write_text(data_text("events/overheat.events"))
+    config.write_text(text.replace("/events}", "/e, event: hot}"))
+    (monitor,), problems = monitors_of(None, [config])
+    assert "W005" not in {problem.code for problem in problems}
+    package, _ = monitor_answers(monitor)
+    assert "only='hot'," in package.answers["publications"][0]["more"]
+    config.write_text(text.replace("/events}", "/e, event: nothing}"))
+    (monitor,), _ = monitors_of(None, [config])
+    assert [problem.code for problem in monitor_answers(monitor)[1]] == ["K020"]
 
 
 def test_a_list_is_an_input_of_a_monitor(tmp_path: Path) -> None:
-    (tmp_path / "scanner.events").write_text(SCAN)
-    (tmp_path / "eddi_config.yml").write_text(SCAN_CONFIG)
+    (tmp_path / "scanner.events").write_text(data_text("events/scanner.events"))
+    (tmp_path / "eddi_config.yml").write_text(data_text("events/scanner_config.yml"))
     rows = ["0,1 2 nan", "0.1,1 nan nan", "0.2,0.5 2 inf", "0.3,", "0.4,"]
     (tmp_path / "values.csv").write_text("\n".join(["t,scan.ranges[*]", *rows]) + "\n")
     assert run("check", "eddi_config.yml", "scanner.events", cwd=tmp_path).status == 0
@@ -114,9 +52,9 @@ def test_a_list_is_an_input_of_a_monitor(tmp_path: Path) -> None:
 
 
 def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) -> None:
-    (tmp_path / "scanner.events").write_text(SCAN)
+    (tmp_path / "scanner.events").write_text(data_text("events/scanner.events"))
     config = tmp_path / "eddi_config.yml"
-    config.write_text(SCAN_CONFIG)
+    config.write_text(data_text("events/scanner_config.yml"))
     (made,), _ = monitors_of(None, [config])
     monitor = made.compiled.monitor(made.id)
     (name,) = [spec.attribute for spec in monitor.inputs]
@@ -131,35 +69,9 @@ def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) 
     assert said([0.1, 0.2, 0.3], 1) == (False, [])
 
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"
-
-
-@pytest.fixture(scope="module")
-def monitors() -> list[BoundMonitor]:
-    configs = [EXAMPLE / "motor_config.yml", EXAMPLE / "drive_config.yml"]
-    return monitors_of(EXAMPLE / "drive.yml", configs)[0]
-
-
-def test_the_guarantee_follows_the_event(monitors: list[BoundMonitor]) -> None:
-    motor, drive = monitors
-    other = compiled(drive)
-    full_speed = {}
-    for part, frame in played(motor, read_source(EXAMPLE / "recording.csv")):
-        ((_, event),) = part.running.message(frame.output)
-        flags = other.execute_step(SimpleNamespace(MotorFit=event["active"]))
-        full_speed[frame.t] = {row["id"]: row["active"] for row in flags}["FullSpeed"]
-    on = [t for t in full_speed if full_speed[t]]
-    assert (on[0], on[-1]) == (1.9, 10.9)
-    assert not any(full_speed[t] for t in full_speed if 6.0 <= t < 8.1 or 9.0 <= t < 10.3)
-
-
 MODELS = Path(__file__).parents[2] / "eddi_xml" / "models"
 LANDING = (MODELS / "landing.xml").read_text("utf-8")
-EVENTS = """// of the winding
-VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 500ms
-EVENT hot (HAZARD) := ONCE(temp > 80 degC, 2s)
-EVENT MotorFit (EVIDENCE) := AVERAGE(temp, 2s) < 70 degC AND NOT hot
-"""
+EVENTS = data_text("events/winding.events")
 
 
 def models(text: str) -> dict[str, Model]:

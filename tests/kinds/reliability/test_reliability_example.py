@@ -7,37 +7,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.common.files import read_source
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
 from eddi_scaffold.recordings.playing import compiled
+from tests.checkouts import HERE
 from tests.cli.command import run
 from tests.kinds.reliability.monitors import read_text
-from tests.rows import played
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "drone"
-FAILED = 7.0
-"""Seconds from which on a rotor has failed in the recording."""
-
-
-def test_a_failed_rotor_takes_the_guarantee_away() -> None:
-    configs = [EXAMPLE / "reliability_config.yml", EXAMPLE / "mission_config.yml"]
-    drone, mission = monitors_of(EXAMPLE / "drone.xml", configs)[0]
-    other = compiled(mission)
-    going, p_fail = {}, {}
-    for part, frame in played(drone, read_source(EXAMPLE / "recording.csv")):
-        one, result = part.running, frame.output
-        p_fail[frame.t] = result.p_fail
-        # what the node would publish and the ConSert's node receive
-        said = one.message(result)[1]["evidence"][0][1]
-        assert said["id"] == "RtE_continue"
-        flags = other.execute_step(SimpleNamespace(Reliable=said["active"]))
-        going[frame.t] = {row["id"]: row["active"] for row in flags}["ContinueMission"]
-    assert not going[0.5]  # the evidence is held for a second first
-    assert going[6.9]
-    assert not any(active for t, active in going.items() if t >= FAILED)
-    assert p_fail[6.9] == pytest.approx(5.155e-6, rel=1e-3)
-    assert p_fail[FAILED] > 1000 * p_fail[6.9]
+EXAMPLE = HERE / "examples" / "drone"
 
 
 def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
@@ -54,25 +31,10 @@ def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
     assert run("export", *words, "--kind", "consert", cwd=EXAMPLE).status == 2
 
 
-EVERY_INPUT = """
-horizon: mission_end
-mission_time: 1 h
-top: all
-models:
-  lift: {type: propulsion, configuration: PNPN, rate: 1.0e-5 1/h, status: list}
-  drive: {type: markov, initial: ok, fail: dead, arcs: [{from: ok, to: dead, rate: 1.0e-6 1/h}],
-    observe: {ok: drive_ok, dead: not drive_ok}}
-  tree: {type: fault_tree, gates: {g: {type: OR, of: [e]}},
-    events: {e: {rate: 1.0e-5 1/h, observed: true}}}
-  all: {type: series, of: [lift, drive, tree]}
-"""
-
-
-@pytest.mark.parametrize("text", [None, EVERY_INPUT])
-def test_the_example_of_a_package_has_everything_in_order(tmp_path: Path, text: str | None) -> None:
-    path = EXAMPLE / "airframe.yml" if text is None else tmp_path / "small.yml"
-    if text is not None:
-        path.write_text(text)
+@pytest.mark.parametrize(
+    "path", [EXAMPLE / "airframe.yml", HERE / "tests/data/reliability/every_input.yml"]
+)
+def test_the_example_of_a_package_has_everything_in_order(path: Path) -> None:
     (monitor,), _ = monitors_of(path, [])
     answers = PLATFORM.monitor(monitor)[0].answers
     given = dict(one.split("=", 1) for one in answers["sample_inputs"])

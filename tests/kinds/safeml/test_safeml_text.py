@@ -16,12 +16,11 @@ from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
-from eddi_scaffold.packages.running import load
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from runtime_lib.tests.safeml.monitors import scope, step
 from tests.kinds.safeml.monitors import CONNECTED, lay
-from tests.package_texts import facts_in
+from tests.package_texts import facts_in, loaded
 from tests.program.formatting import objections
 
 ROWS = [[k / 10] for k in range(10)]
@@ -133,7 +132,7 @@ def test_a_large_reference_comes_and_goes(tmp_path: Path) -> None:
     for rows, names in ((LINES, []), (LARGE, ["reference.bin"]), (LINES, [])):
         generated(tmp_path / "in", tmp_path / "out", "scope", rows)
         assert [path.name for path in folder.glob("*.bin")] == names
-        monitor = load(folder).new()[0].monitor
+        monitor = loaded(folder)[0].monitor
         assert monitor.execute_step(SimpleNamespace(sample=[0.5]), 0).accepted == 1
 
 

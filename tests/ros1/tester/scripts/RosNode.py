@@ -7,7 +7,7 @@ import sys
 
 import eddi_messages.msg
 from eddi_messages.msg import ConSertOutput
-from std_msgs.msg import Bool, Float64, String
+from std_msgs.msg import Bool, String
 
 from eddi_runtime.transports.ros1 import Input, MonitorNode, Output, reported
 
@@ -20,11 +20,10 @@ with reported("tester"):
 class RosNode(MonitorNode):
     NAME = "tester"
     FREQUENCY = 10.0
-    MODE = os.environ.get("TESTER_MODE", "rate")
+    MODE = "rate"
     INPUTS = (
         Input("how", "how", String),
         Input("flag", "flag", Bool),
-        Input("number", "number", Float64),
     )
     OUTPUTS = (Output("tester", "guarantees", ConSertOutput),)
     MESSAGES = eddi_messages.msg
