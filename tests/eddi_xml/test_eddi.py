@@ -17,12 +17,11 @@ from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
 from tests.cli.command import ROOT
 from tests.data_files import data_text
-from tests.eddi_xml.eddi_texts import ROVER, texts
+from tests.eddi_xml.eddi_texts import ROVER, parsed, texts
 
 
 def document(text: str) -> EddiDocument:
-    found, problems = read_document(Source("m.xml", text.encode()))
-    assert found is not None
+    found, problems = parsed(text)
     assert problems == []
     return found
 
@@ -70,8 +69,7 @@ def test_too_many_references() -> None:
 
 def said(package: str, model: str) -> list[str]:
     text = data_text("eddi_xml/package.xml").replace("PACKAGE", package).replace("MODEL", model)
-    document, problems = read_document(Source("m.xml", text.encode()))
-    assert document is not None
+    _, problems = parsed(text)
     return [f"{p.place.line}: {p.level} {p.code} {p.message} | {p.hint}" for p in problems]
 
 

@@ -4,10 +4,8 @@ import io
 
 import pytest
 
-from eddi_scaffold.common.files import Source
-from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.parsing import Limits, load
-from tests.eddi_xml.eddi_texts import ROVER, codes, read, texts
+from tests.eddi_xml.eddi_texts import ROVER, codes, parsed, read, texts
 
 BOM = b"\xef\xbb\xbf"
 
@@ -104,8 +102,7 @@ def test_xinclude_is_not_followed() -> None:
         b'<a xmlns:xi="http://www.w3.org/2001/XInclude"><xi:include href="/etc/passwd" '
         b'parse="text"/></a>'
     )
-    document, problems = read_document(Source("m.xml", data))
-    assert document is not None
+    document, problems = parsed(data)
     assert problems == []
     assert not list(document.roots[0].itertext())
 
@@ -138,8 +135,7 @@ def test_encodings_and_byte_order_marks(encoding: str) -> None:
 
 def test_undeclared_prefixes_are_declared() -> None:
     text = "<!-- c -->\n<p:r>\n<q:a x:type='q:T' y='1'/>\n<x:b/></p:r>"
-    document, problems = read_document(Source("m.xml", text.encode()))
-    assert document is not None
+    document, problems = parsed(text)
     assert sorted(texts(problems)) == [
         'm.xml:2: warning X006: the prefix "p" is not declared; it is read as if it were',
         'm.xml:2: warning X006: the prefix "q" is not declared; it is read as if it were',
@@ -150,8 +146,7 @@ def test_undeclared_prefixes_are_declared() -> None:
 
 
 def test_a_warning_of_the_parser_does_not_forbid_undeclared_prefixes() -> None:
-    document, problems = read_document(Source("m.xml", b'<r xmlns="drone">\n<p:a/></r>'))
-    assert document is not None
+    _, problems = parsed(b'<r xmlns="drone">\n<p:a/></r>')
     assert codes(problems) == {"X006"}
 
 
@@ -180,8 +175,7 @@ def test_a_prefix_in_a_type_only_is_no_error() -> None:
 
 def test_lines_beyond_65535() -> None:
     text = "<r>\n" + "<a/>\n" * 70_000 + "<b>\n<c/><d>\n\n<e/>\n</d>\n</b>\n</r>"
-    document, _ = read_document(Source("m.xml", text.encode()))
-    assert document is not None
+    document, _ = parsed(text)
     b = document.roots[0][-1]
     lines = [document.place(element).line for element in (b[-1][0], b[-1], b[0], b)]
     assert lines == [70_005, 70_003, 70_003, 70_002]

@@ -55,8 +55,6 @@ KINDS = {
     "NOT": (NOT_OR, {"a": TRUTHS, "b": TRUTHS}),
 }
 PARTS = [BATTERY, CPU, UNITS, quad(0.01)]
-NAMES = [part.name for part in PARTS]
-MODELS = [event("model", model=name) for name in NAMES]
 LEVELS = [10.0 ** (-k / 8.0) for k in range(64)]
 THRESHOLDS = [
     {"id": f"p{k}", "activate": p, "release": p, "hold": 0.0} for k, p in enumerate(LEVELS)

@@ -1,6 +1,5 @@
 """False violations and power by simulation; thousands of windows, tens of thousands when long."""
 
-import argparse
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -74,25 +73,6 @@ def power(
         stream[:, 0] = FAULTS[fault](stream, chance)
         found.append(rate(rows, planned(rows, metric, components, calibration="iid"), stream))
     return float(np.mean(found))
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="fewer windows")
-    references, windows = (2, 50) if parser.parse_args().quick else (8, 250)
-    columns: list[tuple[Metric, int | None]] = [
-        (metric, components) for components in (None, 10) for metric in ("ks", "cvm", "ad")
-    ]
-    for fault in FAULTS:
-        found = (
-            power(metric, components, fault, references=references, windows=windows)
-            for metric, components in columns
-        )
-        print(f"| {fault} | {' | '.join(f'{share:.2f}' for share in found)} |", flush=True)
-
-
-if __name__ == "__main__":
-    main()
 
 
 pytestmark = pytest.mark.slow
