@@ -176,7 +176,7 @@ def _members(
             if not configs:
                 only(monitors)
             members = packages.with_monitors(monitors)
-            problems = [*unsure, *problems, *_unused_lines(members, configs)]
+            problems = [*unsure, *problems, *(_unused_lines(members, configs) if code else ())]
     check_together(members)
     return members, [*problems]
 

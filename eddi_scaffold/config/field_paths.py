@@ -94,8 +94,8 @@ def parse_field(text: str, *, lists: bool = False) -> FieldPath:
                 raise FieldPathError(f"{text!r}: a path begins with a field name")
             steps.append(_element(match))
             if isinstance(steps[-1], Every) and not lists:
-                hint = "reduce it in `expression:`, for example MIN(scan.ranges[*])"
-                raise FieldPathError(f"{text!r} is a list, `field:` takes one value", hint)
+                hint = "reduce it in a condition, for example MIN(scan.ranges[*])"
+                raise FieldPathError(f"{text!r} is a list, one value is expected", hint)
         elif not is_identifier(name):
             raise FieldPathError(f"{text!r}: {name!r} cannot be the name of a field")
         else:

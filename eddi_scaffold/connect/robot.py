@@ -187,7 +187,7 @@ def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
         source = read_source(path)
     except EddiError:
         return  # reported when the file itself is checked
-    known = {topic.topic: topic.type.replace(".", "/") for topic in outputs.topics}
+    known = {topic.topic: topic.type for topic in outputs.topics}
     configs = read_file(source)[0] if is_config(source) else []
     listed = [(c, *entry) for c in configs for entry in enumerate(c.config.SimulatorOutputs)]
     for config, index, entry in listed:

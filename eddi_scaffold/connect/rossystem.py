@@ -83,7 +83,7 @@ class Filters:
 
     def leaves_out(self, topic: Topic) -> str | None:
         """Return the option that keeps a topic out; ``None`` when it is kept."""
-        if self.no_infrastructure and topic.type.partition(".")[0] in _INFRASTRUCTURE:
+        if self.no_infrastructure and topic.type.partition("/")[0] in _INFRASTRUCTURE:
             return _NO_INFRASTRUCTURE
         if not self.keeps(topic.topic):
             return _ONLY

@@ -373,6 +373,7 @@ class ClaimField(NamedTuple):
     behind: str = ""  # what follows the topic of the result
     apart: bool = False  # where there are several, each is a message of its own
     options: tuple[str, ...] = ()  # keys of `Model:` that make claims, where the model does not
+    d72: Callable[[str], str] = str  # its id as monitors of SESAME D7.2 publish it
 
 
 @dataclass(frozen=True)

@@ -404,7 +404,7 @@ class InputBinder:
 def _shifted(unit: str, expected: str | None) -> str | None:
     """Return the hint at how a temperature gets from one scale to the other."""
     sign = {("K", "degC"): "-", ("degC", "K"): "+"}.get((unit, expected or ""))
-    return f"write `expression: value {sign} 273.15` instead" if sign else None
+    return f"write `from: value {sign} 273.15` instead" if sign else None
 
 
 def holds(message: str, expected: str, fields_of: Callable[[str], Fields | None]) -> bool | None:

@@ -8,7 +8,7 @@ node keeps the place where it is written.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -28,6 +28,7 @@ from eddi_scaffold.yaml_text.nodes import (
     items_of,
     map_of,
     scalars_of,
+    text_of,
 )
 
 _ALIASES = {
@@ -40,6 +41,9 @@ _COMMON = ("SimulatorOutputs", "MessageTypes", "Package")
 PATH = re.compile(r"(?P<head>[A-Za-z_]\w*)(?P<rest>(?:\.[A-Za-z_]\w*|\[[^\[\]]*\])*)")
 _CLAIM = re.compile(r'"[^"]*"|(?<![\w.])(?P<monitor>[A-Za-z_]\w*)\.(?P<claim>[A-Za-z_]\w*)')
 _BLANK = re.compile(r'("[^"]*")|(?<=[0-9]) +(?=(?:ms|s|min|h)\b)')  # before the unit of a duration
+_OLDER = {
+    "parameters": "model", "evidence": "thresholds", "field": "from", "expression": "from"
+}  # fmt: skip
 _INSTEAD = ("requires", "field", "expression", "expression_file", "states")
 
 
@@ -65,12 +69,6 @@ def _joined(value: Node, other: Node) -> Node:
             both = {id_: joined(entry, new.get(id_)) for id_, entry in own.items()}
             return replace(value, items=tuple({**both, **new, **both}.values()))
     return other
-
-
-def text_of(node: Node | None, key: str) -> str | None:
-    """Return the text of a key of a map."""
-    value = node.get(key) if isinstance(node, Map) else None
-    return None if value is None else as_text(value)
 
 
 def _texts(place: Place, texts: Mapping[str, str]) -> Map:
@@ -109,12 +107,13 @@ def spelt_out(
     common = Map(())
     if len(own) > 1 and own[0].get("Model") is None:
         common, *own = own
+    own = [_with_common(common, document) for document in own]
     robot = _Robot(source, own)
     robot.problems += problems
     for key, _ in common.entries:
         if key.text not in _COMMON:
             robot.problems.append(problem("K003.common", key.place, key=key.text))
-    return [robot.spelt_out(_with_common(common, document)) for document in own], robot.problems
+    return [robot.spelt_out(document) for document in own], robot.problems
 
 
 def _renamed(document: Map, problems: list[Problem]) -> Map:
@@ -124,7 +123,7 @@ def _renamed(document: Map, problems: list[Problem]) -> Map:
         name = _ALIASES.get(key.text, key.text)
         entries.append((replace(key, text=name), node))
         if name != key.text:
-            problems.append(problem("K002", key.place, key=key.text, name=name))
+            problems.append(problem("K002.section", key.place, key=key.text, name=name))
     return replace(document, entries=tuple(entries))
 
 
@@ -139,6 +138,28 @@ def _with_common(common: Map, document: Map) -> Map:
         used = [item for item in items_of(value) if text_of(item, "id") in words]
         entries.append((key, Items(tuple(used), value.place) if key.text == _COMMON[0] else value))
     return joined(Map(tuple(entries), document.place), document)
+
+
+def older_spellings(documents: Sequence[Map]) -> Iterator[Problem]:
+    """Report the first older spelling in a file, as an info, and how many others there are."""
+    keys = [
+        (key.place, key.text, _OLDER[key.text])
+        for document in documents
+        for entry in [document.get("Model"), *items_of(document.get("EDDIInputs"))]
+        for key, _ in (entry.entries if isinstance(entry, Map) else ())
+        if key.text in _OLDER
+    ]
+    types = [
+        (value.place, type_, re.sub(r"\.|/msg/", "/", type_))
+        for document in documents
+        for output in items_of(document.get("SimulatorOutputs"))
+        if isinstance(output, Map) and (value := output.get("type")) is not None
+        if (type_ := as_text(value)) is not None
+    ]
+    older = [*keys, *((place, old, new) for place, old, new in types if old != new)]
+    for place, key, name in older[:1]:
+        more = f", one of {len(older)} in this file" if len(older) > 1 else ""
+        yield problem("K002.older", place, key=key, name=name, more=more)
 
 
 class _Robot:
@@ -165,7 +186,7 @@ class _Robot:
         for key, value in document.entries:
             node = value
             if key.text == "Model" and isinstance(value, Map):
-                node = _model(value, text_of(document.get("Package"), "wire") == "d7.2")
+                node = _model(document, value)
             elif key.text == "EDDIInputs" and isinstance(value, Items):
                 inputs = tuple(self._input(item, topics, read) for item in value.items)
                 node = replace(value, items=inputs)
@@ -236,6 +257,7 @@ class _Robot:
         """Return id and field by which a claim of another monitor is read; note its topic."""
         document = self.documents[monitor]
         model = document.get("Model")
+        model = _model(document, model) if isinstance(model, Map) else model
         kind = next(iter(kinds_of_type(text_of(model, "type"))), None)
         if kind is None or kind.claim is None:  # told where its type is read
             return None
@@ -260,6 +282,8 @@ class _Robot:
             self.problems.append(problem("K020.claim", node.place, hint=hint, monitor=monitor))
             return None
         id_ = f"{package}_{claim}" if len(all_of_it) > 1 else package
+        is_of_d72 = any(text_of(model, key) == text for key, text in kind.wire_of_d72.items())
+        claim = kind.claim.d72(claim) if is_of_d72 else claim
         type_, topic = f"eddi_messages/{kind.claim.message}", topic + kind.claim.behind
         read.setdefault(id_, _texts(node.place, {"id": id_, "type": type_, "topic": topic}))
         return id_, kind.claim.field.format(claim)
@@ -278,7 +302,7 @@ class _Robot:
         return self.parts[name]
 
 
-def _model(section: Map, is_of_d72: bool) -> Map:
+def _model(document: Map, section: Map) -> Map:
     """Return a section with the file of the model as D7.2 names it, and thresholds of a network."""
     entries: list[tuple[Scalar, Node]] = []
     of_type = kinds_of_type(text_of(section, "type"))
@@ -293,6 +317,7 @@ def _model(section: Map, is_of_d72: bool) -> Map:
         else:
             entries.append((key, value))
     wire = {key: text for kind in of_type for key, text in kind.wire_of_d72.items()}
+    is_of_d72 = text_of(document.get("Package"), "wire") == "d7.2"
     added = {key: text for key, text in wire.items() if is_of_d72 and section.get(key) is None}
     return replace(section, entries=(*entries, *map_of(section.place, added).entries))
 

@@ -125,9 +125,9 @@ class Interface:
 
     @property
     def ros_type(self) -> str | None:
-        """The type as ``package.Type``; ``None`` when it is none."""
+        """The type as ``package/Type``; ``None`` when it is none."""
         match = _TYPE.fullmatch(self.type)
-        return f"{match[1]}.{match[2]}" if match else None
+        return f"{match[1]}/{match[2]}" if match else None
 
 
 @dataclass(frozen=True, slots=True)

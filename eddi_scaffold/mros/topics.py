@@ -165,7 +165,7 @@ class _Collector:
         if kind == "actionserver":
             for part, part_type in (
                 ("feedback", f"{type_}ActionFeedback"),
-                ("status", "actionlib_msgs.GoalStatusArray"),
+                ("status", "actionlib_msgs/GoalStatusArray"),
                 ("result", f"{type_}ActionResult"),
             ):
                 self._add(f"{topic}/{part}", resolved, f"{name}/{part}", part_type, "action")

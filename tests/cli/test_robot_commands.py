@@ -64,7 +64,7 @@ def test_an_input_that_loses_its_source_is_named(robot: Path, command: str) -> N
     (robot / "ws/src").mkdir(parents=True)
     sources = ("-w", "ws", "-m", MODEL, "-c", CONFIG)
     assert run("generate", *sources, "--models", NODES, cwd=robot).status == 0
-    edit(robot / CONFIG, "rover_msgs.Charge", "rover_msgs.Other")
+    edit(robot / CONFIG, "rover_msgs/Charge", "rover_msgs/Other")
     words = (*sources, "-o", "a.yml") if command == "answers" else (*sources, "--dry-run")
     again = run(command, *words, cwd=robot)
     assert again.status == 3

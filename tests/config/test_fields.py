@@ -16,9 +16,9 @@ def test_expressions(text: str, code: str) -> None:
 @pytest.mark.parametrize("text", ["scan.ranges[*]", "a[2..5].b", "a[*].b[c].d[0]"])
 def test_lists_are_for_reductions_only(text: str) -> None:
     assert path_text(parse_field(text, lists=True)) == text
-    with pytest.raises(FieldPathError, match="is a list, `field:` takes one value") as refused:
+    with pytest.raises(FieldPathError, match="is a list, one value is expected") as refused:
         parse_field(text)
-    assert "expression" in (refused.value.hint or "")
+    assert "condition" in (refused.value.hint or "")
 
 
 @tabled

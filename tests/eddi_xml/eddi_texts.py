@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from eddi_scaffold.common.problems import Problem
+    from eddi_scaffold.eddi_xml.document import EddiDocument
     from eddi_scaffold.kinds.consert.consert import ConSert
 
 MODELS = Path(__file__).parent / "models"
@@ -32,6 +33,14 @@ def read(data: bytes | str, *marks: str) -> tuple[tuple[ConSert, ...], list[Prob
     survey(document)
     conserts, more = read_eddi(document, source, marks)
     return conserts, in_order([*problems, *more])
+
+
+def parsed(data: bytes | str) -> tuple[EddiDocument, list[Problem]]:
+    """Return a file called m.xml, which can be read, with what is reported of it."""
+    source = Source("m.xml", data.encode() if isinstance(data, str) else data)
+    document, problems = read_document(source)
+    assert document is not None
+    return document, problems
 
 
 def texts(problems: Iterable[Problem]) -> list[str]:

@@ -7,12 +7,12 @@ from lxml import etree
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.insertion import with_map
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.monitors.exports import written_into
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import ROOT, run
+from tests.eddi_xml.eddi_texts import parsed
 
 KEY = "eddi.events"
 VALUES = [("model", "w"), ("EVENT", 'a (EVIDENCE) := x["<&>"] > 1 \t; \u00e9')]
@@ -32,8 +32,7 @@ ODD = """<?xml version='1.0' encoding='ASCII'?>
 
 def canonical(data: bytes) -> tuple[str, list[tuple[str, str]]]:
     """Return a document without the map, whose values are returned as well, and its layout."""
-    document, _ = read_document(Source("m.xml", data))
-    assert document is not None
+    document, _ = parsed(data)
     tree = document.document
     found = []
     for one in select(tree, f'//*[local-name()="keyValueMaps"][@key="{KEY}"]'):
@@ -53,8 +52,7 @@ def canonical(data: bytes) -> tuple[str, list[tuple[str, str]]]:
 
 
 def written(data: bytes, number: int) -> bytes:
-    document, _ = read_document(Source("m.xml", data))
-    assert document is not None
+    document, _ = parsed(data)
     at = list(document.document.iter())[number]
     return with_map(data, document, at, KEY, VALUES)
 

@@ -3,13 +3,12 @@
 from dataclasses import replace
 from pathlib import Path
 
-from eddi_scaffold.common.files import Source
-from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.eddi_xml.links import links_of
 from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.platforms import platforms
+from tests.eddi_xml.eddi_texts import parsed
 
 MODELS = Path(__file__).parent / "models"
 ROVER = (MODELS / "rover_hazards.xml").read_text("utf-8")
@@ -17,14 +16,8 @@ LANDING = (MODELS / "landing.xml").read_text("utf-8")
 TREE = "//@odeProductPackages.2/@failureModels.0"
 
 
-def parsed(text: str) -> EddiDocument:
-    document, _ = read_document(Source("m.xml", text.encode()))
-    assert document is not None
-    return document
-
-
 def linked(text: str) -> dict[str, list[str]]:
-    return {path: [one.name for one in of.links] for path, of in links_of(parsed(text)).items()}
+    return {path: [one.name for one in of.links] for path, of in links_of(parsed(text)[0]).items()}
 
 
 def test_a_cause_leads_to_the_hazards_of_its_failure() -> None:
@@ -70,11 +63,11 @@ def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:
     """As with `guarantee_ids: class`."""
     monitors, problems = monitors_of(MODELS / "landing.xml", [], "Landing")
     (made,) = assemble(monitors, platforms()["plain"], MODELS / "none", problems).packages
-    facts = from_json(made.answers["facts_json"])
+    facts = from_json(made.answers["facts"])
     classes = {element.id: element.claim or element.id for element in facts.elements}
     claims = tuple(replace(claim, id=classes[claim.id]) for claim in facts.claims)
     renamed = replace(facts, claims=claims).to_json()
-    rows = trace_of({**made.answers, "facts_json": renamed}).rows
+    rows = trace_of({**made.answers, "facts": renamed}).rows
     assert [row.links[0].through for row in rows if row.element == "guarantee"] == ["MotorFit"]
 
 
@@ -85,4 +78,4 @@ def test_many_references_are_cut_off() -> None:
     found = linked(ROVER.replace("<hazards ", f"{hazards}<hazards ", 1))
     assert max(map(len, found.values())) == 100
     text = ROVER.replace("<hazards ", f"{hazards}<hazards ", 1)
-    assert {len(one.links) for one in links_of(parsed(text)).values() if one.is_cut} == {100}
+    assert {len(one.links) for one in links_of(parsed(text)[0]).values() if one.is_cut} == {100}

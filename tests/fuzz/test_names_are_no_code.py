@@ -21,8 +21,9 @@ from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.yaml_text.writer import dump_plain
+from eddi_scaffold.yaml_text.writer import quoted
 from tests.cli.command import XML_HEAD, XML_TAIL, template
+from tests.data_files import data_text
 from tests.hostile_texts import HOSTILE
 
 if sys.version_info >= (3, 11):
@@ -46,48 +47,13 @@ def some(size: int) -> st.SearchStrategy[list[str]]:
     return replaced.map(lambda new: [new.get(n, word) for n, word in enumerate(WORDS[:size])])
 
 
-def model_yaml(texts: list[str]) -> str:
-    _, first, second, text, unit, category, *_ = texts
-    spans = [{"Inclusive": {"start": 0, "end": 1}}]
-    length = {"type": "Length", "covered": spans, "subset": "Demand", "uom": unit}
-    short = category[:40]  # the comparison with longer ones is not written out
-    kind = {"type": "Kind", "covered": [short, "b"], "subset": "Demand"}
-    safe = [{"Binary": {"type": category or "Safe"}}]
-    edges = [(first, "Both"), (second, "Both"), ("Both", "G")]
-    return dump_plain(
-        {
-            "guarantees": [{"id": "G", "description": text, "dimensions": safe}],
-            "demands": [],
-            "evidence": [
-                {"id": first, "description": text, "dimension": {"Numeric": length}},
-                {"id": second, "description": text, "dimension": {"Categorical": kind}},
-            ],
-            "gates": [{"id": "Both", "function": "And"}],
-            "tree_propagations": [{"from": source, "to": target} for source, target in edges],
-            "required_services": [],
-            "provided_services": [],
-        }
-    )
-
-
-def config_yaml(texts: list[str]) -> str:
-    model, first, second, text, unit, category, topic, source, _ = texts
-    return dump_plain(
-        {
-            "Model": {"id": model, "type": "ConSert"},
-            "SimulatorOutputs": [
-                {"id": source, "type": "std_msgs.Float32", "topic": "/a"},
-                {"id": f"{source}2", "type": "std_msgs.String", "topic": "/b"},
-                {"id": "list", "type": "my_msgs.List", "topic": "/c"},
-            ],
-            "EDDIInputs": [
-                {"id": first, "requires": [source], "unit": unit, "max_age": 1},
-                {"id": second, "requires": ["list"], "field": f"items[k{category}].data"},
-            ],
-            "EDDIOutputs": [{"id": topic, "topic": "/out"}],
-            "Package": {"description": text, "license": text},
-        }
-    )
+def filled(template: str, texts: list[str]) -> str:
+    """Return a model or a configuration with these texts, each of them quoted."""
+    parts = dict(zip(("model", "first", "second", "text", "unit"), texts, strict=False))
+    category, parts["topic"], source, _ = texts[5:]
+    parts |= {"kind": category[:40], "safe": category or "Safe"}  # a longer one is not written out
+    parts |= {"source": source, "source2": f"{source}2", "field": f"items[k{category}].data"}
+    return re.sub("⟦(.*?)⟧", lambda part: quoted(parts[part[1]]), data_text(f"fuzz/{template}"))
 
 
 def packages(
@@ -181,8 +147,8 @@ def test_yaml_and_configuration(
 
 
 def from_yaml(folder: Path, platform: str, texts: list[str]) -> dict[str, bytes] | None:
-    (folder / "model.yml").write_text(model_yaml(texts), encoding="utf-8")
-    (folder / "config.yml").write_text(config_yaml(texts), encoding="utf-8")
+    (folder / "model.yml").write_text(filled("names.yml", texts), "utf-8")
+    (folder / "config.yml").write_text(filled("names_config.yml", texts), "utf-8")
     return packages(folder, platform, "model.yml", "config.yml")
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.files import read_source
 from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.links import links_of
 from eddi_scaffold.eddi_xml.parsing import XMI
@@ -15,7 +15,7 @@ from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.data_files import data_text
 from tests.kinds.bayesian_network.networks import joined, running
-from tests.metamodel.expected import FOLDER, cases, expected, models
+from tests.metamodel.expected import FOLDER, cases, changed, expected, models
 from tests.metamodel.test_random import NOT_THESE
 
 WRONG = re.compile(r"\[(X010|X011)\]")
@@ -102,15 +102,9 @@ def test_content_outputs_and_posteriors(file: str, want: dict[str, Any]) -> None
 
 
 def test_what_states_mean_is_said_to_be_unused() -> None:
-    text = (FOLDER / "07_bayesian_network.xml").read_text("utf-8")
-    state = '<nodeStates name="fog"/>'
-    assert text.count(state) == 1
-    text = text.replace(state, '<nodeStates name="fog"><dimension/></nodeStates>')
-    (said,) = (
-        one
-        for one in read_models(Source("07.xml", text.encode())).problems
-        if "dimension" in one.message
-    )
+    fog = ('<nodeStates name="fog"/>', '<nodeStates name="fog"><dimension/></nodeStates>')
+    reading = changed(FOLDER / "07_bayesian_network.xml", fog)
+    (said,) = (one for one in reading.problems if "dimension" in one.message)
     assert (said.code, said.level) == ("X014", "info")
 
 

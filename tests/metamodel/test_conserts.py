@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
@@ -14,10 +13,9 @@ from eddi_scaffold.kinds.consert.consert import (
     Dimension,
 )
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.kinds.consert.example import monitor_of
-from tests.metamodel.expected import FOLDER, cases, expected, models
+from tests.metamodel.expected import FOLDER, cases, changed, expected, models
 
 RELATIONS = {
     "DinG": "Demand",
@@ -165,10 +163,7 @@ def test_relations_decide_what_fulfils_a_demand() -> None:
 
 def test_a_relation_without_its_dimension_is_of_the_only_one() -> None:
     at = ' dimension="//@odeProductPackages.2/@conSerts.1/@demands.2/@dependabilityProperty'
-    text = (FOLDER / "04_consert_relations.xml").read_text("utf-8")
-    assert text.count(at) == 1
-    text = text.replace(f'{at}/@dimensions.0"', "")
-    read = read_models(Source("04.xml", text.encode()))
+    read = changed(FOLDER / "04_consert_relations.xml", (f'{at}/@dimensions.0"', ""))
     assert not [one for one in read.problems if one.level == "error"]
     demands = {one.id: one for one in read.models[1].data.demands}  # type: ignore[attr-defined]
     assert described(demands["Exact"])[1] == ["Guarantee"]

@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds.reliability.show import cut_sets
 from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import at_start
-from eddi_scaffold.monitors.loading import read_models
-from tests.metamodel.expected import FOLDER, cases, expected, models
+from tests.metamodel.expected import FOLDER, cases, changed, expected, models
 
 TREES, CHAINS = cases("fault_tree"), cases("markov_chain")
 
@@ -76,12 +74,8 @@ def test_a_state_machine_with_rates_alone_is_a_chain(file: str, want: dict[str, 
         assert p_fail(system, hours) == pytest.approx(failed, rel=1e-9)
 
 
-def changed(file: str, *pairs: tuple[str, str]) -> list[Problem]:
-    text = (FOLDER / file).read_text("utf-8")
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    return list(read_models(Source(file, text.encode())).problems)
+def problems_of(file: str, *pairs: tuple[str, str]) -> list[Problem]:
+    return list(changed(FOLDER / file, *pairs).problems)
 
 
 def codes(problems: list[Problem]) -> list[tuple[str, int | None]]:
@@ -112,49 +106,36 @@ ROWS = [
 def test_what_is_reported(
     file: str, old: str, new: str, expected: tuple[str, str, int], words: str
 ) -> None:
-    (said,) = changed(f"{file}.xml", (old, new))
+    (said,) = problems_of(f"{file}.xml", *[(old, new)] * bool(old))
     assert (said.code, said.level, said.place.line)[: len(expected)] == expected
     assert words in said.message
 
 
 def test_a_normal_event_without_a_law_has_no_probability() -> None:
-    text = (FOLDER / "08_fault_tree.xml").read_text("utf-8")
-    law = '<parameters name="p" value="0.2"/>'
-    assert law in text
-    source = Source(
-        "08.xml", text.replace('type="Fixed">\n          ' + law, 'type="NONE">').encode()
-    )
-    (model,) = read_models(source).models
+    law = 'type="Fixed">\n          <parameters name="p" value="0.2"/>'
+    (model,) = changed(FOLDER / "08_fault_tree.xml", (law, 'type="NONE">')).models
     assert codes(list(model.check())) == [("R002", 68)]
 
 
 def test_a_common_cause_that_is_an_event_itself_is_that_event() -> None:
-    gate = 'gateType="AND" causes="'
-    used = "//@odeProductPackages.0/@failureModels.0/@causes.3 "
-    cause = used.replace("@causes.3", "@failures.2").strip()
-    text = (FOLDER / "09_common_cause.xml").read_text("utf-8")
-    text = text.replace(gate, gate + used)
-    text = text.replace(
-        "    </failureModels>",
-        f'<causes name="Pressure" causeType="BasicEvent" failure="{cause}"/></failureModels>',
-    )
-    (model,) = read_models(Source("09.xml", text.encode())).models
+    gate, end = 'gateType="AND" causes="', "    </failureModels>"
+    tree = "//@odeProductPackages.0/@failureModels.0"
+    cause = f'<causes name="Pressure" causeType="BasicEvent" failure="{tree}/@failures.2"/>'
+    pairs = ((gate, f"{gate}{tree}/@causes.3 "), (end, cause + end))
+    (model,) = changed(FOLDER / "09_common_cause.xml", *pairs).models
     assert p_fail(model.data, 1.0) == pytest.approx(5e-4, rel=1e-9)
 
 
 def test_two_states_of_one_chain_are_not_independent() -> None:
-    text = (FOLDER / "10_tree_over_chain.xml").read_text("utf-8")
     belt = ' failure="//@odeProductPackages.0/@failureModels.1/@failures.1"/>'
-    assert belt in text
     worn = ' state="//@odeProductPackages.0/@failureModels.0/@states.1"/>'
-    problems = read_models(Source("10.xml", text.replace(belt, worn).encode())).problems
+    problems = problems_of("10_tree_over_chain.xml", (belt, worn))
     assert [one.code for one in problems if one.level == "error"] == ["R009"]
 
 
 def test_a_state_that_is_not_the_failure_of_its_chain_is_a_chain_of_its_own() -> None:
-    text = (FOLDER / "10_tree_over_chain.xml").read_text("utf-8")
-    text = text.replace('name="Worn"', 'name="Worn" isFailState="true"')
-    _, tree = read_models(Source("10.xml", text.encode())).models
+    fails = ('name="Worn"', 'name="Worn" isFailState="true"')
+    _, tree = changed(FOLDER / "10_tree_over_chain.xml", fails).models
     assert tree.data.top == "No drive"
     assert list(tree.data.components) == ["Motor/Seized", "No drive"]
     assert p_fail(tree.data, 100.0) == pytest.approx(0.07003996450556045, rel=1e-9)
@@ -162,15 +143,14 @@ def test_a_state_that_is_not_the_failure_of_its_chain_is_a_chain_of_its_own() ->
 
 def test_rates_beside_triggers_are_no_chain_and_said() -> None:
     rate = 'name="gets dirty"'
-    problems = changed("11_state_machine.xml", (rate, rate + ' transition="0.1"'))
+    problems = problems_of("11_state_machine.xml", (rate, rate + ' transition="0.1"'))
     assert ("X014", 25) in codes(problems)
     assert sum("StateMachine" in one.message for one in problems) == 1
 
 
 def test_other_cut_sets_are_a_warning() -> None:
-    text = (FOLDER / "08_fault_tree.xml").read_text("utf-8")
-    other = text.replace('<causes name="Power" failure', '<causes name="Power" other')
-    (model,) = read_models(Source("08.xml", other.encode())).models
+    other = ('<causes name="Power" failure', '<causes name="Power" other')
+    (model,) = changed(FOLDER / "08_fault_tree.xml", other).models
     assert "R013" in {one.code for one in model.check()}
 
 
@@ -178,7 +158,7 @@ def test_an_unavailability_is_no_law() -> None:
     old = '<failures name="Alarm lost failure"'
     horn = '<failures name="Horn failure"'
     top = (TOP, TOP.replace(".9", ".13"))
-    (said,) = changed("08_fault_tree.xml", (horn, horn + ' unavailability="0.25"'), top)
+    (said,) = problems_of("08_fault_tree.xml", (horn, horn + ' unavailability="0.25"'), top)
     assert (said.code, said.level) == ("X014", "warning")
     assert "0.25 is a result at a time that is not stated" in said.message
-    assert changed("08_fault_tree.xml", (old, old + ' unavailability="0.25"'), top) == []
+    assert problems_of("08_fault_tree.xml", (old, old + ' unavailability="0.25"'), top) == []

@@ -9,24 +9,18 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.consert import ConSert
 from eddi_scaffold.kinds.reliability.trial import at_start
-from eddi_scaffold.monitors.loading import read_models
+from tests.metamodel.expected import changed
 
 MODELS = Path(__file__).parent / "models"
 
 
 def reading(file: str, *pairs: tuple[str, str]) -> ReadResult:
-    """Return what is read of a file in which texts, each of them once there, are replaced."""
-    text = (MODELS / file).read_text("utf-8")
-    for old, new in pairs:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return read_models(Source(file, text.encode()))
+    return changed(MODELS / file, *pairs)
 
 
 def errors(file: str, *pairs: tuple[str, str]) -> list[tuple[str, int | None]]:

@@ -91,8 +91,14 @@ def test_what_is_wrong_stands_at_its_place(change, place, says, tmp_path):
 
 
 def test_the_names_of_d72_are_chosen_once(tmp_path):
-    checked(tmp_path, ("---\nModel: {id: cart", "Package: {wire: d7.2}\n---\nModel: {id: cart"))
-    words = ("-o", "out", "--platform", "plain", "-c", "robot.yml", "--name", "cart")
+    checked(
+        tmp_path,
+        ("---\nModel: {id: cart", "Package: {wire: d7.2}\n---\nModel: {id: cart"),
+        ("cart.MayDrive", "cart.May_drive"),
+    )
+    (tmp_path / "cart.yml").write_text(MODELS["cart.yml"].replace("MayDrive", "May_drive"))
+    words = ("-o", "out", "--platform", "plain", "-c", "robot.yml")
     assert run("generate", *words, cwd=tmp_path).status == 0
     assert "SESAME D7.2 names" in (tmp_path / "out/cart/README.md").read_text("utf-8")
     assert '"MayDrive"' in (tmp_path / "out/cart/compiled.py").read_text("utf-8")
+    assert "cart.guarantees, 'MayDrive'" in (tmp_path / "out/fleet/EDDIInput.py").read_text()

@@ -54,7 +54,7 @@ def replay(package, folder):
             monitor.message(output),
             monitor.status_message(),
             monitor.series(output),
-            [list(one) for one in monitor.standings()],
+            [row.as_json() for row in monitor.why().values()],
             sorted(monitor.faults().items()),
             sorted(monitor.blocked().items()),
         ]

@@ -28,7 +28,7 @@ from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 NAME = "bayesian_network"
-_EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
+_EVIDENCE = "`from: MONITOR.ID`, or `evidence[ID].active` of BayesianNetworkEvidence"
 _VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
 _MEANINGS: Meanings = {
     "BayesianNetworkOutput": {

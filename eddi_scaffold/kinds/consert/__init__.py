@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
 from eddi_scaffold.kinds import ClaimField, Kind, messages_in
+from eddi_scaffold.kinds.consert.names import published_class
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -58,7 +59,7 @@ KIND = Kind(
     verdicts={"ConSertStatus": _status},
     model="consert_model.ConSertModel",
     topic="guarantees",
-    claim=ClaimField("ConSertOutput", "guarantees[{}].active"),
+    claim=ClaimField("ConSertOutput", "guarantees[{}].active", d72=published_class),
     in_eddi=".",  # its reader says what is misspelt, too
     options=OPTION_KEYS,
     wire_of_d72={"guarantee_ids": "class"},

@@ -150,7 +150,7 @@ _REFUSED = {
 }
 _INSTEAD = {
     "EVIDENCE": "`verdict == 0`, or a separate event with NOT",
-    "HAZARD": "`expression: NOT {field}`, known to be absent; `verdict == 2` is that it is there",
+    "HAZARD": "`from: NOT {field}`, known to be absent; `verdict == 2` is that it is there",
 }
 
 

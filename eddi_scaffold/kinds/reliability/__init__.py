@@ -28,7 +28,7 @@ _CONFIG = re.compile(
 )
 KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 
-_THRESHOLD = "`field: evidence[ID].active` of a threshold"
+_THRESHOLD = "`from: MONITOR.ID` of a threshold, or its `evidence[ID].active`"
 _NUMBER = claims.Meaning(
     valid_where=(claims.ValidityField("ReliabilityOutput", "valid", value=True),),
     refused="the numbers mean something only where `valid` is true",

@@ -39,7 +39,7 @@ _LEGEND = (
 _PERIODS = 10  # Steps without a sample after which a window is too old, unless `max_age` is given
 
 
-_IN_SCOPE, _VERDICT = "`field: in_scope` of SafeMLStatus", (("omission", False),)
+_IN_SCOPE, _VERDICT = "`from: MONITOR.in_scope`", (("omission", False),)
 _OMISSION = Meaning(
     (True,), refused="an omission is also silence", instead=f"NOT of it, or {_IN_SCOPE}"
 )

@@ -9,7 +9,7 @@ from . import monitor
 from .expressions import Conditions, reduced, scaled, stamp
 from .expressions import Value as Number
 from .inputs import accepted, look_again, step_time
-from .monitor import Monitor, Standing, Tree, row_trees
+from .monitor import Monitor, Tree, row_trees
 from .plain_values import Absent, exactly, is_nan, plain, read, show
 from .why import TEXTS, TRUE, UNKNOWN, Cause, seconds, shown
 
@@ -159,18 +159,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         low, high, _ = limits
         return f"{shown(value, unit)} is outside {low:.9g} .. {high:.9g} {unit}".rstrip()
 
-    def standings(self) -> list[Standing]:
-        waits: dict[str, list[tuple[str, str]]] = {event.id: [] for event in self.events}
-        for name, ids in self.blocked().items():
-            for id_ in ids:
-                waits[id_].append((name, "not known"))
-        found = []
-        for event, value in zip(self.events, self._verdicts):
-            active, lacks = value == 2 or (event.hazard and value == 1), waits[event.id]
-            reason = "" if value == 2 or lacks else _REASONS[int(value)]
-            found.append(Standing("event", event.id, active, tuple(lacks), reason))
-        return found
-
     def accepted(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(one for found in self._accepted().values() for one in found))
 
@@ -183,12 +171,12 @@ class EventMonitor(Conditions, Monitor[Rows]):
             found[event.id] = [*of_inputs, *(f"{event.id}: {word}" for word in words)]
         return found
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
-        unknown, found = set(not_known), {}
+    def blocked(self) -> Mapping[str, tuple[str, ...]]:
+        found = {}
         undecided = [event for event, value in zip(self.events, self._verdicts) if value == 1]
         for k, (spec, raw) in enumerate(zip(self.inputs, self.raw)):
             events = tuple(event.id for event in undecided if k in event.needs)
-            if events and (spec.id in unknown or raw is None or is_nan(raw) or self._fault(k)):
+            if events and (raw is None or is_nan(raw) or self._fault(k)):
                 found[spec.id] = events
         return found
 

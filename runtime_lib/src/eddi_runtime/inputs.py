@@ -362,18 +362,16 @@ class EDDIInputBase:
                 since = self.known_for((spec,))
                 return [Cause((), "window", TEXTS["window"], since=since)]
             return [of_topic(spec, topics, Cause((), "invalid", text, since=since))]
-        return [
-            cause if link == spec.id else cause.under(link)
-            for claim in spec.claims
-            for link, causes in [self.__of_claim(*claim, verdict, since)]
-            for cause in causes
-        ]
+        causes = self.__of_claims(spec, verdict, since)
+        if state.state == "untold" and not causes:
+            causes = [of_topic(spec, topics, Cause((), "untold", TEXTS["untold"], since=since))]
+        return causes
 
     def __of_message(self, spec: InputSpec, state: InputState, name: str, topic: str) -> Cause:
         age, limit, word = self.__age_now(name), _limit(spec), self.__words.get(name)
         path = (topic,) if topic else ()
         if word is not None:
-            claims = [f"{word.robot}/{claim}" for source, claim in spec.claims if source == name]
+            claims = [self.__link(name, claim) for source, claim in spec.claims if source == name]
             text = f"robot {word.robot} silent {{age}}, lease {{limit}}"
             text = text if word.lease < word.age < math.inf else word.unfit
             return Cause(tuple(claims), "robot", text, topic, (), word.age, word.age, word.lease)
@@ -385,18 +383,31 @@ class EDDIInputBase:
             return Cause(path, "latched", text, topic, (), since, limit=limit)
         return Cause(path, "silent", TEXTS["silent"], topic, (), age, age, limit)
 
-    def __of_claim(
-        self, source: str, claim: str, verdict: int, since: float
-    ) -> tuple[str, tuple[Cause, ...]]:
-        """Return a claim that an input reads, and why it is so, as its monitor tells it."""
-        message, key = self.__latest.get(source), f"{source}/why"
-        claim = claim or named(message)
-        robot = self.__words[source].robot if source in self.__words else ""
-        causes = told(self.__latest.get(key), claim, self.__age_now(key), verdict)
-        if not causes and verdict == FALSE and holds(message, claim):
-            causes = (Cause((), "false", "true for {since}", since=since),)
-        causes = causes or (Cause((), "untold", TEXTS["untold"], since=since),)
-        return f"{robot}/{claim}" if robot else claim, causes
+    def __of_claims(self, spec: InputSpec, verdict: int, since: float) -> list[Cause]:
+        """Return why claims that an input reads are as they are, as their monitors tell it."""
+        causes: list[Cause] = []
+        # links to claims that hold, and to those of which nothing is told
+        held: list[tuple[str, ...]] = []
+        silent: list[tuple[str, ...]] = []
+        for source, id_ in spec.claims:
+            message, key = as_message(self.__latest.get(source)), f"{source}/why"
+            claim = id_ or named(message)
+            link = self.__link(source, claim)
+            path = () if link == spec.id else (link,)
+            found = told(self.__latest.get(key), claim, self.__age_now(key), verdict)
+            causes += [one.under(link) if path else one for one in found]
+            if not found:
+                (held if holds(message, claim) else silent).append(path)
+        others = set(spec.requires).difference([source for source, _ in spec.claims])
+        if causes or (verdict == FALSE and others):  # where none is told, it is not these
+            return causes
+        if verdict == FALSE and held:  # it is read as NOT
+            return [Cause(path, "false", "true for {since}", since=since) for path in held]
+        return [Cause(path, "untold", TEXTS["untold"], since=since) for path in silent]
+
+    def __link(self, source: str, claim: str) -> str:
+        word = self.__words.get(source)
+        return f"{word.robot}/{claim}" if word is not None and word.robot else claim
 
     def known_for(self, specs: Sequence[InputSpec]) -> float:
         """Return for how many seconds the states of inputs have been as they are."""

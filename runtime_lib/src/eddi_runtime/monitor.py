@@ -6,7 +6,7 @@ import hashlib
 import math
 from collections.abc import Callable, Iterable
 from types import ModuleType
-from typing import Any, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union
+from typing import Any, Mapping, Protocol, Sequence, Tuple, TypeVar, Union
 
 from .inputs import EDDIInputBase, InputSpec, accepted, of_topic, step_time
 from .plain_values import is_nan, one_line, read
@@ -87,17 +87,6 @@ def finite(value: Any) -> Any:
 
 def _has_states(source: object) -> bool:
     return issubclass(type(source), EDDIInputBase)
-
-
-class Standing(NamedTuple):
-    """What one guarantee, threshold or event came to in the last step, for people."""
-
-    what: str  # word for it, ``guarantee``; empty where its id shows it
-    id: str  # as in the model
-    active: bool  # as it is published
-    # inputs that keep it from being otherwise, each with the reason in words
-    lacks: tuple[tuple[str, str], ...] = ()
-    reason: str = ""  # what else does, empty for nothing
 
 
 class Steps(Protocol):
@@ -206,14 +195,8 @@ class Monitor(Protocol[Output]):
         now = step_time(self._at)
         return 0.0 if now is None or began is None else max(now - began, 0) / 1e9
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
-        """Return input id -> outputs that are not given because it is not known now.
-
-        ``not_known``: inputs that count as not known whatever they hold, such as a default.
-        """
-
-    def standings(self) -> Sequence[Standing]:
-        """Return every guarantee, threshold or event after the last step, active or not."""
+    def blocked(self) -> Mapping[str, tuple[str, ...]]:
+        """Return input id -> outputs that are not given because it is not known now."""
 
     def accepted(self) -> Sequence[str]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import Any, Iterable, Mapping, NamedTuple, Sequence, Tuple
 
-from .plain_values import plain
+from .plain_values import as_message, plain
 
 FALSE, UNKNOWN, TRUE = 0, 1, 2
 _VALUES = ("false", "unknown", "true")
@@ -238,8 +238,8 @@ def read_why(message: object) -> Why:
     Another monitor is not to be trusted, and may have a runtime of its own, whose classes are not
     these: lengths are limited, and what is malformed tells nothing.
     """
-    given: Any = message
     try:
+        given: Any = as_message(message)
         claims = [*given.values()] if type(given) is dict else given.claims
         rows = [_read_claim(row) for row in _first(claims, 1024)]
     except Exception:  # noqa: BLE001 - whatever a message does

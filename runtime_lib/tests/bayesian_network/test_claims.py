@@ -163,7 +163,6 @@ def test_an_input_that_is_unknown_blocks_what_is_not_active():
     one = risk(LOW, threshold("Some", at_most=0.06), threshold("Never", at_most=0.01))
     step(one, near="no")
     assert one.blocked() == {"human": ("Some",)}
-    assert one.blocked(["near", "x"]) == {"human": ("Some",), "near": ("Some", "Never")}
 
 
 class Made:
@@ -213,20 +212,21 @@ def test_a_method_counts_before_what_is_accepted():
 
 
 def told(one):
-    (found,) = one.standings()
-    return found[2:]
+    (row,) = one.why().values()
+    return row.sentence
 
 
 def test_a_threshold_says_what_it_lacks():
     one = risk()
+    bounds = "Risk=High 0.05 .. 0.9, limit 0.3"
     step(one)
-    assert told(one) == (False, (("near", "not known"), ("human", "not known")), "")
+    assert told(one) == f"Low <- near: no value ({bounds}); human: no value ({bounds})"
     step(one, near="yes", human="yes")
-    assert told(one) == (False, (), "the probability is 0.9")
+    assert told(one) == "Low: Risk=High 0.9 for 0.0 s, limit 0.3"
     step(one, near="yes")
-    assert told(one) == (False, (), "the probability is 0.4 to 0.9")
+    assert told(one) == "Low: Risk=High 0.4 for 0.0 s, limit 0.3"  # at least
     step(one, near="no")
-    assert told(one) == (True, (), "")
+    assert told(one) == ""
     one = risk(threshold(at_most=0.3, hold_s=1.0))
     step(one, near="no", human="no")
-    assert told(one) == (False, (), "it holds, but not for long enough yet")
+    assert told(one) == "Low: good for 0.0 s of 1 s"

@@ -222,8 +222,9 @@ def test_elements_by_key_and_why_there_is_none():
 def test_every_event_is_listed_with_what_it_lacks():
     monitor = made(("gt", "x", 5), ("and", ("gt", "x", 5), ("gt", "y", 5)), hazards=[1])
     step(monitor, 0, x=6.0)
-    first, second = monitor.standings()
-    assert first[1:] == (first.id, True, (), "")
-    assert second[2:] == (True, (("y", "not known"),), "")  # a HAZARD that is UNKNOWN
+    first, second = monitor.why().values()
+    assert (first.verdict, second.verdict) == (2, 1)  # a HAZARD that is UNKNOWN
+    assert second.sentence == f"{second.id} <- y: no value"
     step(monitor, 1, x=4.0)
-    assert [one[2:] for one in monitor.standings()] == [(False, (), "the condition is FALSE")] * 2
+    first, second = monitor.why().values()
+    assert (first.sentence, second.sentence) == (f"{first.id}: false for 0.0 s (x 4)", "")

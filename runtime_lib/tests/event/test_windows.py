@@ -8,7 +8,6 @@ import statistics
 
 import pytest
 from eddi_runtime.expressions import stacks, windows
-from eddi_runtime.expressions import window as windows_of
 
 STEP = 10**7
 
@@ -65,15 +64,3 @@ def test_every_buffer_keeps_to_its_capacity(name):
     sizes += [len(window._front) + len(window._back)] if name == "Sum" else []
     assert max(sizes) <= 16
     assert window.overflows > 0
-
-
-def test_coverage_counts_what_is_known():
-    window, length = made("Average", 4)
-    covered = windows_of.Covered(window, 0.5)
-    nan = math.nan
-    values = [
-        covered.push(k * STEP, k * STEP, x)
-        for k, x in enumerate([1.0, nan, 3.0, 5.0, nan, nan, nan])
-    ]
-    assert [None if math.isnan(v) else v for v in values] == [None, None, None, 3.0, 4.0, 4.0, None]
-    assert length == 4 * STEP

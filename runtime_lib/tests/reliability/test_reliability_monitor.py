@@ -214,23 +214,21 @@ def test_messages_and_json():
     assert json.loads(json.dumps(shown)) == shown
     assert one.series(result)["go"] is True
     assert one.status_message() is None
-    assert one.blocked(["m0"]) == {"m0": ("valid",)}
 
 
 def test_a_threshold_says_what_it_lacks():
     one = rotors(thresholds=[{"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.2}])
 
     def told():
-        (found,) = one.standings()
-        return found[2:]
+        return one.why()["go"].sentence
 
     step(one, 0.0, **WORKING)
-    assert told() == (False, (), "it holds, but not for long enough yet")
+    assert told() == "go: good for 0.0 s of 0.2 s"
     step(one, 0.2, **WORKING)
-    assert told() == (True, (), "")
+    assert told() == ""
     step(one, 0.4, **{**WORKING, "m1": None})
-    assert told() == (False, (("m1", "not known"),), "")
+    assert told() == "go <- m1: no value (p_fail 0.0392 .. 1, limit 0.1)"
     step(one, 0.6, **{**WORKING, "m1": "x"})
-    assert [name for name, _ in told()[1]] == ["m1"]
+    assert told().startswith("go <- m1: ")
     step(one, 0.8, **{**WORKING, "m1": False})
-    assert told() == (False, (), "p_fail is 1, the threshold is 0.1")
+    assert told() == "go: p_fail 1 for 0.0 s, limit 0.1"

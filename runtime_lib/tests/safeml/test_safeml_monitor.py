@@ -172,12 +172,12 @@ def test_messages():
 def test_the_scope_says_what_it_lacks():
     one = filled()
     step(one, [0.5])
-    assert one.standings() == [("", "in_scope", True, (), "")]
-    assert violated().standings()[0][2:] == (False, (), "the samples differ from the reference")
+    assert one.why()["in_scope"].sentence == ""
+    said = violated().why()["in_scope"].sentence
+    assert said == "in_scope: statistic 1 for 0.0 s, limit 0.7"
     fresh = monitor(ROWS)
     step(fresh, [0.5])
-    lacks = (("sample", "the window has 1 of 4 samples"),)
-    assert fresh.standings() == [("", "in_scope", False, lacks, "")]
+    assert fresh.why()["in_scope"].sentence == "in_scope: window has 1 of 4 samples"
 
 
 def multi_array(data, *sizes, offset=0):

@@ -11,14 +11,12 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.kinds import Model, ReadResult, kinds
+from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 from runtime_lib.tests.bayesian_network.networks import nodes_of, random_network
-
-KIND = kinds()["bayesian_network"]
 
 
 def read(text: str | bytes, name: str) -> ReadResult:

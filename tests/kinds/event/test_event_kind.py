@@ -10,7 +10,6 @@ from lxml import etree
 
 from eddi_scaffold import api
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import Model, Options
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
@@ -85,10 +84,6 @@ def part(model: Model) -> object:
     assert monitor is not None, problems
     lines = monitor.compiled.text.partition("\nclass ")[2].splitlines()
     return [line for line in lines if not line.lstrip().startswith(("digest =", "#"))]
-
-
-def problems(text: str) -> list[Problem]:
-    return list(read_models(Source("landing.xml", text.encode())).problems)
 
 
 def test_they_are_the_events_of_a_file() -> None:

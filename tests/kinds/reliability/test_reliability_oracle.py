@@ -29,16 +29,19 @@ def check(result: Any, case: dict[str, Any]) -> None:
     assert result.mttf == pytest.approx(case["correct_MTTF"], rel=1e-12, abs=0.0)
 
 
+def alone(type_: str, hours: object = 1, **keys: object) -> str:
+    """Return a configuration with the model ``m`` and nothing else."""
+    shown = ", ".join(f"{key}: {value}" for key, value in {"type": type_, **keys}.items())
+    return f"horizon: {hours} h\nmodels: {{m: {{{shown}}}}}\n"
+
+
 def test_motors() -> None:
     for case in oracle()["motor"]:
-        count = len(case["status"])
-        text = (
-            f"horizon: {case['t']} h\nmodels: {{m: {{type: propulsion, configuration: "
-            f"{case['configuration']}, rates: [{', '.join([str(case['lambda']) + ' 1/h'] * count)}"
-            "]}}\n"
-        )
+        count, name = len(case["status"]), case["configuration"]
+        rates = f"[{', '.join([str(case['lambda']) + ' 1/h'] * count)}]"
+        text = alone("propulsion", case["t"], configuration=name, rates=rates)
         if case.get("correct") == "config_error":
-            assert len(case["configuration"]) != count
+            assert len(name) != count
             assert [one.code for one in everything(text)] == ["R005"]
             continue
         status = {f"m_motor_{i}": bool(works) for i, works in enumerate(case["status"])}
@@ -47,50 +50,42 @@ def test_motors() -> None:
 
 def test_batteries() -> None:
     for case in oracle()["battery"]:
-        model = sound(
-            f"horizon: {case['t'] or 1} h\n"
-            f"models: {{b: {{type: battery, failure_rate: {case['L']} 1/h, "
-            f"alpha: {case['a']} 1/h, beta: {case['b']} 1/h, degradation: {case['d']} 1/h}}}}\n"
-        )
+        names = {"failure_rate": "L", "alpha": "a", "beta": "b", "degradation": "d"}
+        rates = {name: f"{case[letter]} 1/h" for name, letter in names.items()}
+        model = sound(alone("battery", case["t"] or 1, **rates))
         # a configuration must look ahead; the numbers hold for no time at all, too
         model = replace(model, data=replace(model.data, horizon=float(case["t"])))
-        result = at_start(model, b_level=case["level"])
+        result = at_start(model, m_level=case["level"])
         if "correct_P_fail" in case:
             check(result, case)
         else:
-            assert result.unknown == ("b_level",)
+            assert result.unknown == ("m_level",)
             assert not result.valid
 
 
 def test_processors() -> None:
     for case in oracle()["processor"]:
-        model = sound(
-            f"horizon: {case['t']} h\nmodels: {{c: {{type: processor, mttf_ref: {case['MTTFref']} "
-            f"h, t_ref: {case['Tr']} degC, t_max: 90 degC, u_max: 2, shape: {case['b']}}}}}\n"
-        )
-        check(at_start(model, c_temperature=case["Ta"], c_utilisation=case["u"]), case)
+        keys = {"mttf_ref": f"{case['MTTFref']} h", "t_ref": f"{case['Tr']} degC"}
+        keys |= {"t_max": "90 degC", "u_max": 2, "shape": case["b"]}
+        model = sound(alone("processor", case["t"], **keys))
+        check(at_start(model, m_temperature=case["Ta"], m_utilisation=case["u"]), case)
 
 
 def test_satellites() -> None:
     for case in oracle()["gps"]:
-        model = sound(
-            f"horizon: {case['t']} h\nmodels: {{g: {{type: k_out_of_n, k: {case['min_sat']}, "
-            f"rate: {case['lambda']} 1/h, max: {case['max_sat']}}}}}\n"
-        )
-        result = at_start(model, g_available=case["satellites"])
+        rate_ = f"{case['lambda']} 1/h"
+        text = alone("k_out_of_n", case["t"], k=case["min_sat"], rate=rate_, max=case["max_sat"])
+        result = at_start(sound(text), m_available=case["satellites"])
         if "correct_P_fail" in case:
             check(result, case)
         else:
-            assert result.unknown == ("g_available",)
+            assert result.unknown == ("m_available",)
 
 
 def test_the_paper_of_2019() -> None:
     working = {f"m_motor_{i}": True for i in range(6)}
     for case in oracle()["motor_paper_table1"]:
-        text = (
-            f"horizon: {case['t']} h\n"
-            "models: {m: {type: propulsion, configuration: PNPNPN, rate: 0.04 1/h}}\n"
-        )
+        text = alone("propulsion", case["t"], configuration="PNPNPN", rate="0.04 1/h")
         reliability = at_start(sound(text), **working).reliability
         assert reliability == pytest.approx(case["R"], rel=1e-12, abs=0.0)
         assert reliability == pytest.approx(case["R_paper"], abs=1e-6)
@@ -98,10 +93,7 @@ def test_the_paper_of_2019() -> None:
         failed = {"6M": (), "5M": (0,), "4M": (0, 2), "3M": (0, 2, 4)}[case["state"]]
         if case["configuration"] == "PPNNPN":
             failed = {"6M": (), "4M": (0, 2)}[case["state"]]
-        text = (
-            "models: {m: {type: propulsion, configuration: "
-            f"{case['configuration']}, rate: 0.04 1/h}}}}\n"
-        )
+        text = alone("propulsion", configuration=case["configuration"], rate="0.04 1/h")
         status = {f"m_motor_{i}": i not in failed for i in range(6)}
         assert at_start(sound(text), **status).mttf == pytest.approx(case["MTTF"], rel=1e-12)
         assert case["MTTF"] == pytest.approx(case["MTTF_paper"], abs=0.005)
@@ -207,9 +199,7 @@ def test_the_combination_of_motors_battery_and_processor() -> None:
 
 def test_storm() -> None:
     hexa, tree = oracle()["storm"]
-    text = (
-        "horizon: 100 h\nmodels: {m: {type: propulsion, configuration: PNPNPN, rate: 1e-3 1/h}}\n"
-    )
+    text = alone("propulsion", 100, configuration="PNPNPN", rate="1e-3 1/h")
     result = at_start(sound(text), **{f"m_motor_{i}": True for i in range(6)})
     assert result.p_fail == pytest.approx(hexa["P(F<=100)"], rel=1e-12)
     assert result.mttf == pytest.approx(hexa["MTTF"], rel=1e-9)

@@ -1,6 +1,5 @@
 """Compiled reliability models: the text, what of a hostile model is in it, what it imports."""
 
-import ast
 import math
 from collections.abc import Iterable
 from dataclasses import replace
@@ -25,7 +24,7 @@ from runtime_lib.tests.reliability.reliability_models import (
     tree,
 )
 from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY, CPU, UNITS
-from tests.program.formatting import HOSTILE, objections
+from tests.program.formatting import HOSTILE, assert_plain_data
 
 ARCS = [[i, j, 0.1 / (1 + i + 2 * j)] for i in range(8) for j in range(8) if i != j]
 DENSE = chain(ARCS, 8, [7], observe=[[0, "new", False], [7, "ok", True]])
@@ -66,9 +65,8 @@ MODELS = [
 
 
 @pytest.mark.parametrize("made", MODELS)
-def test_the_formatter_changes_nothing(made: Model) -> None:
-    assert objections(made.text()) == ""
-    ast.parse(made.text(), feature_version=(3, 8))
+def test_the_formatter_changes_nothing_and_nothing_of_a_model_becomes_code(made: Model) -> None:
+    assert_plain_data(made.text())
 
 
 def test_each_python_writes_the_same_digits(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -87,25 +85,12 @@ def _one_by_one(values: Iterable[float]) -> float:
     return whole
 
 
-def test_nothing_of_a_hostile_model_becomes_code() -> None:
-    text = hostile().text()
-    assert text.isascii()
-    names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
-    assert "__import__" not in names
+def test_a_hostile_model_works() -> None:
     one = hostile().monitor()
     source = SimpleNamespace(**{f"value {k}": False for k in range(len(HOSTILE))})
     assert one.execute_step(source, 0).valid
     vars(source)["value 2"] = True
     assert one.execute_step(source, 0).p_fail == 1.0
-
-
-def test_two_monitors_of_one_text_are_independent() -> None:
-    module = compiled([quad(0.01)], ["m0", "m1", "m2", "m3"], states=8)
-    one, other = module.Monitor(), module.Monitor()
-    working: dict[str, Any] = dict.fromkeys(("m0", "m1", "m2", "m3"), True)
-    assert one.execute_step(SimpleNamespace(**{**working, "m1": False}), 0).p_fail == 1.0
-    assert other.execute_step(SimpleNamespace(**working), 0).p_fail < 0.05
-    assert one.execute_step(SimpleNamespace(**working), 10**8).p_fail == 1.0
 
 
 @pytest.mark.slow
@@ -115,3 +100,12 @@ def test_very_many_units_are_counted() -> None:
     fewer = one.execute_step(SimpleNamespace(n=4995), 0)
     assert 0.0 < known.p_fail < fewer.p_fail < 1.0
     assert known.p_fail + known.reliability == pytest.approx(1.0, rel=1e-9)
+
+
+def test_two_monitors_of_one_text_are_independent() -> None:
+    module = compiled([quad(0.01)], ["m0", "m1", "m2", "m3"], states=8)
+    one, other = module.Monitor(), module.Monitor()
+    working: dict[str, Any] = dict.fromkeys(("m0", "m1", "m2", "m3"), True)
+    assert one.execute_step(SimpleNamespace(**{**working, "m1": False}), 0).p_fail == 1.0
+    assert other.execute_step(SimpleNamespace(**working), 0).p_fail < 0.05
+    assert one.execute_step(SimpleNamespace(**working), 10**8).p_fail == 1.0

@@ -17,7 +17,7 @@ from eddi_scaffold.kinds.safeml.scope import Design, Plan
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros_packages import messages_of
 from eddi_scaffold.recordings.playing import compiled
-from tests.kinds.safeml.monitors import CONNECTED, joined, running
+from tests.kinds.safeml.monitors import CONNECTED, LONG_NAMES, joined, running
 
 _CHANCE = random.Random(11)
 ROWS = [[round(_CHANCE.gauss(5, 1), 3), _CHANCE.gauss(0, 2)] for _ in range(300)]
@@ -41,7 +41,7 @@ def test_the_violation_is_spelt_as_the_document_has_it_where_asked(tmp_path: Pat
         monitor, problems = joined(tmp_path, ROWS, config, **FIGURE)
         assert problems == []
         assert monitor.config is not None
-        answers = {"kind": "safeml", "config_json": monitor.config.as_json()}
+        answers = {"kind": "safeml", "config": monitor.config.as_data()}
         texts[config] = messages_of({"scope": answers})["SafeMLOutput"]
     assert "bool odd_violation\n" in texts[CONNECTED]
     assert "bool oddViolation\n" in texts[asked]
@@ -190,14 +190,9 @@ VALUES = st.sampled_from([0.0, 1.0, -1.0, 1e-320, 1e150, 1e300, -1e308, 0.1])
 def test_extreme_numbers(
     folder: Path, rows: list[list[float]], metric: str, components: int, standardize: bool
 ) -> None:
-    names = {
-        "ks": "KolmogorovSmirnovDistance",
-        "cvm": "CramerVonMisesDistance",
-        "ad": "AndersonDarlingDistance",
-    }
     config = (
         f"window_size: 4\nreference_sample_file: reference.csv\nsignificance_level: 0.3\n"
-        f"distance_metric: {names[metric]}\nn_components: {components}\n"
+        f"distance_metric: {LONG_NAMES[metric]}\nn_components: {components}\n"
         f"standardize: {str(standardize).lower()}\n"
     )
     csv = "\n".join(",".join(map(repr, row)) for row in rows)

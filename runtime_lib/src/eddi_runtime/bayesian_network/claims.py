@@ -10,12 +10,12 @@ import math
 from operator import eq
 from typing import Any, Iterable, Iterator, List, NamedTuple, Sequence, Tuple
 
-from ..monitor import Field, Json, Standing, Tree, finite
+from ..monitor import Field, Json, Tree, finite
 from ..thresholds import Evidence, Threshold
 from ..why import FALSE, TEXTS, TRUE, UNKNOWN, Cause, figure
 from .engine import Rows
 from .monitor import BayesianNetworkMonitor, Output
-from .outputs import Claim, Facts
+from .outputs import Claim
 
 __all__ = ["COMBINATIONS", "REASONS", "Claim", "StateThreshold", "Threshold", "ThresholdMonitor"]
 
@@ -194,12 +194,11 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             hold = threshold.limits.hold_ns / 1e9
             since = self._lasting(judge.since)
             return [Cause((), "hold", TEXTS["hold"], since=since, limit=hold)]
-        if one.reason in ("", BETWEEN):
-            lasting, since = (
-                ("", 0.0) if one.reason else (" for {since}", self._lasting(judge.lost))
-            )
-            text = f"{about} {figure(best)}{lasting}, {tail}"
-            return [Cause((), "false", text, since=since, limit=limit)]
+        if not one.reason:
+            text = f"{about} {figure(best)} for {{since}}, {tail}"
+            return [Cause((), "false", text, since=self._lasting(judge.lost), limit=limit)]
+        if one.reason == BETWEEN:
+            return [Cause((), "window", f"{about} {figure(best)}, {tail}", limit=limit)]
         if one.reason not in (UNKNOWN_INPUTS, TOO_MANY):
             return [Cause((), "invalid", REASONS[one.reason])]
         bounds = f"{about} {figure(one.low)} .. {figure(one.high)}, {tail}"
@@ -219,18 +218,9 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         more = [Cause((name,), "invalid", text, detail=detail) for name, text in texts.items()]
         return [*self._of_unknown(specs, self.faults(), detail), *more]
 
-    def standings(self) -> list[Standing]:
-        facts, claims = self.facts(), self.claims()
-        return [Standing("threshold", one.id, one.active, *_why(one, facts)) for one in claims]
-
-    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        rows, found = self.claims(), {}
-        if lost := tuple(row.id for row in rows if row.reason in (UNKNOWN_INPUTS, TOO_MANY)):
-            found = dict.fromkeys(self.facts().unknown_inputs, lost)
-        if inactive := tuple(row.id for row in rows if not row.active):
-            fed = {source.spec.id for source in self._sources}
-            found.update((name, inactive) for name in not_known if name in fed)
-        return found
+    def blocked(self) -> dict[str, tuple[str, ...]]:
+        lost = tuple(row.id for row in self.claims() if row.reason in (UNKNOWN_INPUTS, TOO_MANY))
+        return dict.fromkeys(self.facts().unknown_inputs, lost) if lost else {}
 
     def reset(self) -> None:
         super().reset()
@@ -249,18 +239,3 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             (position, node, tuple(range(missing)), readers.get(node))
             for position, (node, missing) in enumerate(zip(self.engine.observable, self._missing))
         ]
-
-
-def _why(one: Claim, facts: Facts) -> tuple[tuple[tuple[str, str], ...], str]:
-    if one.active:
-        return (), ""
-    if one.reason in (UNKNOWN_INPUTS, TOO_MANY):
-        accepted = {text.partition(": ")[0] for text in facts.accepted}
-        lacks = {name: "not known" for name in facts.unknown_inputs if name not in accepted}
-        for node, states in facts.undecided.items():
-            lacks[node] = f"may be {' or '.join(states)} after a gap"
-        return tuple(lacks.items()), "" if lacks else one.reason
-    if one.reason:
-        return (), REASONS[one.reason]
-    bounds = one.bounds(".4g")
-    return (), f"the probability is {bounds}" if bounds else ""

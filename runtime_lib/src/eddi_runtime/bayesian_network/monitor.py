@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Dict, Iterable, List, NamedTuple, Union
 
 from ..inputs import InputSpec, look_again, step_time
-from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree, row_trees
+from ..monitor import Field, Json, ModelError, Monitor, Tree, row_trees
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
@@ -209,10 +209,7 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         """Return the last result of each threshold, in the order of the configuration."""
         return []
 
-    def standings(self) -> list[Standing]:
-        return []
-
-    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
+    def blocked(self) -> dict[str, tuple[str, ...]]:
         return {}
 
     def accepted(self) -> tuple[str, ...]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, Sequence, overload
 
 from ..inputs import accepted, look_again, states_of, step_time
-from ..monitor import Monitor, Standing, Tree, row_trees
+from ..monitor import Monitor, Tree, row_trees
 from ..plain_values import ABSENT, exactly, plain, read
-from ..why import FALSE, TRUE, UNKNOWN, Cause
+from ..why import TRUE, UNKNOWN, Cause
 from .verdicts import (
     FAULT,
     MISSING,
@@ -208,18 +208,6 @@ class ConSert(Monitor[Rows]):
                 reasons[name] = Reason(state.state, state.reason)
         return reasons
 
-    def standings(self) -> tuple[Standing, ...]:
-        sets, reasons = self._sets(), self.reasons()
-        false = {spec.id for spec, value in zip(self.inputs, sets.leaf_values) if value == FALSE}
-        found = []
-        for guarantee in self.guarantees:
-            active, (groups, _) = sets.value(guarantee) == TRUE, sets.missing(guarantee)
-            group = next((some for some in groups if false.isdisjoint(some)), (*groups, ())[0])
-            lacks = tuple((name, reasons[name].text) for name in group)
-            reason = "" if active or groups else "nothing can activate it"
-            found.append(Standing("guarantee", guarantee.id, active, lacks, reason))
-        return tuple(found)
-
     def accepted(self) -> tuple[str, ...]:
         found = accepted(self.inputs, self._source)
         if self.filter is None or not self.filter.accepts:
@@ -228,11 +216,11 @@ class ConSert(Monitor[Rows]):
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
         return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
 
-    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
+    def blocked(self) -> dict[str, tuple[str, ...]]:
         """Return input id -> inactive guarantees that depend on it, for inputs not known now."""
-        named, sets, found = set(not_known), self._sets(), {}
+        sets, found = self._sets(), {}
         values = zip(self._input_ids, self._judgements())
-        unknown = [name for name, (value, _) in values if value == UNKNOWN or name in named]
+        unknown = [name for name, (value, _) in values if value == UNKNOWN]
         blocking = [(one.id, sets.blocking(one)) for one in self.guarantees if unknown]
         for name in unknown:
             if ids := tuple(id_ for id_, by in blocking if name in by):

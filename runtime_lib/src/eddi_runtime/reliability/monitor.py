@@ -6,7 +6,7 @@ import math
 from typing import Callable, Dict, Iterable, Iterator, Mapping, Sequence
 
 from ..inputs import NO_TIME, look_again, step_time
-from ..monitor import Json, Monitor, Standing, Tree, Value, finite
+from ..monitor import Json, Monitor, Tree, Value, finite
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
 from ..why import FALSE, TEXTS, TRUE, UNKNOWN, Cause, figure
@@ -255,33 +255,14 @@ class Reliability(Monitor[ReliabilityResult]):
             causes = self._of_unknown(unknown, self._faults, detail)
             return [*causes, *([Cause((), "invalid", trouble)] if trouble else [])]
         if not high <= limit:
-            return [Cause((), "false", f"p_fail {figure(high)}, {tail}", limit=limit)]
+            text = f"p_fail {figure(high)}, {tail}"
+            return [Cause((), "window", text, limit=limit, detail=trouble)]
         hold = one.threshold.hold_ns / 1e9
         return [Cause((), "hold", TEXTS["hold"], since=self._lasting(one.since), limit=hold)]
 
-    def standings(self) -> list[Standing]:
-        return [
-            Standing("threshold", one.id, one.active, *self._why(one)) for one in self._evidence
-        ]
-
-    def _why(self, one: Evidence) -> tuple[tuple[tuple[str, str], ...], str]:
-        """Return why a threshold is not active: inputs that are not known, or what else."""
-        result, limit = self._result, one.threshold.activate
-        trouble = "" if result.reason == _UNKNOWN_INPUTS else result.reason
-        if one.active:
-            return (), ""
-        if not result.valid and (trouble or not self.worst_case):
-            lacks = [(name, self._faults.get(name) or "not known") for name in result.unknown]
-            return tuple(lacks), trouble
-        if not result.p_fail_high <= limit:
-            high = f"p_fail is {result.p_fail_high:.3g}, the threshold is {limit:g}"
-            return (), "; ".join(filter(None, (high, trouble)))
-        return (), "it holds, but not for long enough yet"
-
-    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
+    def blocked(self) -> dict[str, tuple[str, ...]]:
         lost = tuple(one.id for one in self._evidence if not one.active) or ("valid",)
-        names = [name for name in not_known if name in self.uses]
-        return dict.fromkeys((*self._result.unknown, *names), lost)
+        return dict.fromkeys(self._result.unknown, lost)
 
     def faults(self) -> dict[str, str]:
         return dict(self._faults)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..history import Messages
 from ..inputs import NO_TIME, look_again, step_time
-from ..monitor import Monitor, Standing, Tree, finite
+from ..monitor import Monitor, Tree, finite
 from ..plain_values import Absent, read
 from ..why import FALSE, TRUE, UNKNOWN, Cause, figure
 from .arrays import NUMPY, Array, Axes, Numbers, array_of, take, torch_or_numpy
@@ -257,15 +257,8 @@ class SafeML(Monitor[SafeMLResult]):
             causes = [Cause((), "window", text, since=causes[0].since)]
         yield "in_scope", UNKNOWN, causes
 
-    def standings(self) -> list[Standing]:
-        if self._last.omission:
-            return [Standing("", "in_scope", False, ((self.inputs[0].id, self.omission()[1]),))]
-        reason = "the samples differ from the reference" if self._last.odd_violation else ""
-        return [Standing("", "in_scope", not reason, (), reason)]
-
-    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        name = self.inputs[0].id
-        return {name: ("odd_violation",)} if self._last.omission or name in set(not_known) else {}
+    def blocked(self) -> dict[str, tuple[str, ...]]:
+        return {self.inputs[0].id: ("odd_violation",)} if self._last.omission else {}
 
     def faults(self) -> dict[str, str]:
         return {self.inputs[0].id: self._fault} if self._fault else {}
