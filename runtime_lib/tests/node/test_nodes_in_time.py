@@ -6,6 +6,7 @@ ConSertA on ConSertB for 0.5 s. The nodes step eight times per second.
 
 import pytest
 from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.node.health import Health
 from eddi_runtime.node.report import ERROR, OK, STALE, WARN
 from eddi_runtime.why import read_why
 
@@ -210,11 +211,15 @@ def test_a_value_that_cannot_be_used_is_logged_once(robot):
 
 def test_what_hand_written_lines_raise_is_logged_with_its_trace(robot):
     node = robot.start("consertb")
+    robot.sense("/rte/e0b", 0.0625)
+    robot.run(0.5)
     robot.publish("/rte/e0b", STD_MSGS.String())
     robot.run(1.0)
-    (error,) = [text for level, text in robot.lines if level == "error"]
+    error, lost = [text for level, text in robot.lines if level == "error"]
     assert error.startswith("input RtE_A_E0: AttributeError: ")
     assert "process_RtE_A_E0" in error
+    raised = "process_RtE_A_E0 raised AttributeError in EDDIInput.py line "
+    assert lost.startswith(f"lost {E0B}: {raised}")
     robot.sense("/rte/e0b", 1.0625)
     robot.run(1.125)
     assert node.report()[:2] == FINE
@@ -295,6 +300,7 @@ def test_what_is_missing_is_said_once_after_the_grace(robot):
 
 def test_an_output_of_another_shape_ends_no_report(robot):
     node = robot.start("consertb")
+    Health(node.core, node.eddi_input, 1.0, 0.0).after_step(None, {}, "", 0.0)
     for output in (None, {"id": "G"}, [1, "text"], [{"id": "G"}], object()):
         node.health.after_step(output, {}, "", 0.0)
     assert node.report()[0] == WARN

@@ -1,13 +1,14 @@
 """What a person reads when a claim is lost: each situation of the oracle, log and diagnostics."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 import yaml
 from eddi_runtime.node.claim_log import ClaimLog
 from eddi_runtime.node.report import GraphFact, Reason, claim_text
 from eddi_runtime.node.topics import other_type
-from eddi_runtime.why import TEXTS, Cause, ClaimWhy, seconds
+from eddi_runtime.why import TEXTS, Cause, ClaimWhy, read_why, seconds, why_tree
 
 from tests.data_files import data_file
 
@@ -74,5 +75,11 @@ def test_the_line_of_the_log_and_the_value_of_the_diagnostics(case):
     lines = [{"level": level.upper(), "text": text} for level, text in log.lines(now, then + 0.3)]
     assert lines == ([case["log"]] if case["log"] else [])
     assert claim_text(now[claim]) == case["diagnostics"]
-    if "sentence" in case:
-        assert now[claim].sentence == case["sentence"]
+    assert now[claim].sentence == case.get("sentence", "")
+    assert read_why(message(why_tree("w", now)))[claim].sentence == now[claim].sentence
+
+
+def message(value):
+    if isinstance(value, tuple):
+        return SimpleNamespace(**{name: message(one) for name, one in value[1].items()})
+    return [message(one) for one in value] if isinstance(value, list) else value

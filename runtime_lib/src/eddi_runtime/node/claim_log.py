@@ -89,7 +89,8 @@ class _Claim:
 
 
 def _key(cause: Cause | None) -> object:
-    return cause and (cause.path, cause.state)
+    state = cause and cause.state.replace("waiting", "never")  # when the grace ends: no news
+    return cause and (cause.path, state)
 
 
 def level_of(row: ClaimWhy) -> str:

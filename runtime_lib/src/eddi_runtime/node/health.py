@@ -61,6 +61,7 @@ class Health:
         self._seen = _Seen(self._last_step)
         self._asked = _Asked(-math.inf, report.MonitorFact())
         self._output: object = None
+        self._decided: object = None  # in that output
         self._basis: object = None  # on which the monitor was asked
         self._claims: object = None  # verdict and first reason of each claim
         self._changes: deque[_Asked] = deque(maxlen=_MOST_CHANGES)

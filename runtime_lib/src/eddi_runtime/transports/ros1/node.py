@@ -100,10 +100,14 @@ def start_log() -> None:
     logging.getLogger("rospy.internal").addHandler(TypeRefusals())
 
 
-def _reachable(subscriber: Any) -> bool:
-    """Return whether a publisher may live: a master lists one that was killed for ever."""
-    connections = [*getattr(subscriber.impl, "connections", ())]  # without a socket: tried again
-    return not connections or any(getattr(one, "socket", one) is not None for one in connections)
+def _connected(subscriber: Any) -> bool:
+    """Return whether a publisher lives: a master lists one that was killed for ever."""
+    connections = [*(getattr(subscriber.impl, "connections", None) or ())]
+    # one that was refused has no other end
+    ends = [
+        (getattr(one, "socket", one), *getattr(one, "remote_endpoint", ())) for one in connections
+    ]
+    return any(None not in end for end in ends)
 
 
 class MonitorNode(Node):
@@ -164,7 +168,8 @@ class MonitorNode(Node):
         silent = []
         for topic, (name, kind) in expected.items() if published else ():
             if name in ages:
-                there = topic in published and _reachable(self._subscribers[name])
+                dead = ages[name] is not None and not _connected(self._subscribers[name])
+                there = topic in published and not dead
                 silent.append(
                     Topic(topic, kind, (kind,) if there else (), ages[name], fault(kind))
                 )
