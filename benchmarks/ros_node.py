@@ -38,7 +38,7 @@ from tests.contract.stages import (  # noqa: E402
     environment,
     why_no_dds,
 )
-from tests.ros1 import models  # noqa: E402
+from tests.ros1.conftest import tester  # noqa: E402
 from tests.ros1.world import PYTHON, Process, World, make_messages, why_no_ros  # noqa: E402
 from tests.ros2.world import RELEASE  # noqa: E402
 
@@ -188,7 +188,7 @@ def ros1(quick: bool) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         world = World(folder, make_messages(Path(folder) / "messages", MESSAGES))
         model = Path(folder) / "tester.py"
-        model.write_text(models.tester(30.0).text())
+        model.write_text(tester(30.0).text())
         try:
             master = world.master()
             for case, (env, words, peer, pause) in CASES.items():

@@ -42,7 +42,7 @@ def _method(name: str, was: tuple[str, ...]) -> str:
 
 def facts_in(package: Path) -> MonitorFacts:
     """Return the facts in the answers of a package."""
-    return from_json((read_answers(package) or {})["facts_json"])
+    return from_json((read_answers(package) or {})["facts"])
 
 
 def loaded(package: Path) -> tuple[Any, Any]:

@@ -8,14 +8,17 @@ git for the same setting for every file; together that is most of the time.
 from __future__ import annotations
 
 import hashlib
+import json
 import marshal
 import os
 import pickle
 import runpy
+import shutil
 import subprocess
 import sys
 import tempfile
 import traceback
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from contextvars import Context
@@ -32,8 +35,10 @@ from copier._cli import CopierApp
 from copier._main import Worker
 from plumbum import local
 
+from eddi_scaffold.packages.rendering import Renderer
+
 COMPILED = "EDDI_TESTS_COMPILED"
-"""Names the folder of what the processes of a run have compiled; without it each is on its own."""
+"""Names the folder of what the processes of a run have made; without it each is on its own."""
 _ASK = ("git", "config", "--type=bool", "--get", "core.fileMode")
 _ANSWER = "git ignores modes"
 
@@ -41,8 +46,8 @@ _ANSWER = "git ignores modes"
 def copier_here(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
     """Run Copier's command line in this process: it starts once, and keeps what it repeats.
 
-    The programs that it starts are forks of this process. `tests/packaging` and `tests/e2e` start
-    all of them anew.
+    The programs that it starts are forks of this process. `tests/packaging` starts all of them
+    anew.
     """
     render_faster()
     before, here = [os.dup(1), os.dup(2)], Path.cwd()
@@ -108,6 +113,7 @@ def render_faster() -> None:
     _compile_once()
     _take_plain_texts_as_they_are()
     _ask_git_once()
+    _render_once()
 
 
 def _read_questions_once() -> None:
@@ -150,7 +156,7 @@ def _compile_once() -> None:
 
 def _shared(key: str, compile_anew: Callable[[], CodeType]) -> CodeType:
     """Return what any process of this run has compiled already."""
-    if (folder := os.environ.get(COMPILED)) is None:
+    if not (folder := os.environ.get(COMPILED)):
         return compile_anew()
     file = Path(folder, hashlib.sha256(key.encode()).hexdigest())
     with suppress(OSError):
@@ -209,3 +215,42 @@ def _ask_git_once() -> None:
             tell(self, path, mode)
 
     Worker._sync_git_index_executable_bit = tell_if_needed  # type: ignore[method-assign]
+
+
+def _render_once() -> None:
+    """Render a package once in a run: templates and answers decide every byte of it."""
+    render_anew = Renderer._run
+
+    def run(self: Renderer, answers: dict[str, Any], folder: Path) -> None:
+        place = os.environ.get(COMPILED)
+        if not place or folder.exists():
+            return render_anew(self, answers, folder)
+        os.umask(mask := os.umask(0))
+        if "digest" not in vars(self):
+            vars(self)["digest"] = _digest_of(self.source.folder)
+        key = (vars(self)["digest"], mask, json.dumps(answers, sort_keys=True, default=repr))
+        kept = Path(place, f"{hashlib.sha256(repr(key).encode()).hexdigest()}.package")
+        if not kept.exists():
+            with warnings.catch_warnings(record=True) as raised:
+                render_anew(self, answers, folder)
+            for one in raised:
+                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+            if not raised:
+                new = Path(tempfile.mkdtemp(dir=place), "package")
+                shutil.copytree(folder, new, symlinks=True)
+                with suppress(OSError):  # another process was faster
+                    new.rename(kept)
+            return None
+        shutil.copytree(kept, folder, symlinks=True)
+        return None
+
+    Renderer._run = run  # type: ignore[method-assign]
+
+
+def _digest_of(folder: Path) -> str:
+    """Return a digest of all templates in a folder."""
+    digest = hashlib.sha256()
+    for file in sorted(path for path in folder.rglob("*") if path.is_file()):
+        digest.update(f"{file.relative_to(folder)} {file.stat().st_mode}\0".encode())
+        digest.update(file.read_bytes() + b"\0")
+    return digest.hexdigest()

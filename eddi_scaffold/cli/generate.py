@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -105,8 +106,14 @@ def generate(
     if shared is not None:
         console.say(f"note: {shared}")
     steps = [f"write {where}" for where in unwritten(root, monitors)]
-    steps += target.next_steps(place, assembly.monitors)
+    steps += map(_in_lines, target.next_steps(place, assembly.monitors))
     finish(replace(outcome, left=left, notes=notes), dry_run=dry_run, next_steps=steps)
+
+
+def _in_lines(command: str) -> str:
+    """Return a command of the shell on several lines where it is long."""
+    lines = [command] if "'" in command else wrap(command, 90, break_long_words=False)
+    return " \\\n      ".join(lines)
 
 
 def _generate_fleet(
@@ -146,7 +153,8 @@ def _generate_fleet(
     console.problems(without_written_inputs([*problems, *more], packages))
     steps = [f"write this input: {where}" for where in open_inputs(sites, folder)]
     for site in sites:
-        steps += [f"{site.name}: {step}" for step in site.next_steps(folder / site.name)]
+        commands = map(_in_lines, site.next_steps(folder / site.name))
+        steps += [f"{site.name}: {command}" for command in commands]
     finish(outcome, dry_run=dry_run, next_steps=steps)
 
 

@@ -210,7 +210,7 @@ def trace(
     present = [
         package for group in groups(workspace, packages or []) for package in group.present.items()
     ]
-    traces = [trace_of(answers) for _, answers in present if "facts_json" in answers]
+    traces = [trace_of(answers) for _, answers in present if "facts" in answers]
     facts = [facts_of_package(folder, answers) for folder, answers in present]
     wired = [wire for wire in facts if wire is not None]
     accepted, limits = acceptances(wired), bounds(wired)

@@ -30,7 +30,7 @@ _TOKEN = re.compile(
       | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
       | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
       | (?P<text>"[^"\r\n]+")
-      | (?P<symbol>(?!<->|->|=>)(?::=|==|!=|<=|>=|\.\.|[-+*/<>(),;:.\[\]{}=]))
+      | (?P<symbol>(?!<->|->|=>)(?::=|==|!=|<=|>=|\.\.|[-+*/%<>(),;:.\[\]{}=]))
       | (?P<other>&&|\|\||<->|->|=>|.)""",
     re.VERBOSE | re.DOTALL,
 )
@@ -44,7 +44,6 @@ _INSTEAD = {
     "<->": "==",
     "=>": "IMPLIES, or >= to compare",
     "#": "// for a comment",
-    "%": "the unit pct",
     "\N{LESS-THAN OR EQUAL TO}": "<=",
     "\N{GREATER-THAN OR EQUAL TO}": ">=",
     "^": "x * x, or a unit in one word such as mps2",
@@ -215,6 +214,8 @@ class Cursor:
         self._refuse_compound_unit()
         if token.kind == "word" and token.text in words():
             return self._take().text
+        if self._took("%"):
+            return "pct"
         if token.kind == "word" and token.start == number.end:  # 5x: it cannot be anything else
             hint = did_you_mean(token.text, words()) or f"units: {', '.join(sorted(words()))}"
             self._fail("E009.unknown", hint=hint, unit=token.text[:40])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -181,14 +180,14 @@ class ConfigFile(Placed):
     # name of each `expression_file` as it is written there -> its text
     event_files: Mapping[str, str] = field(default_factory=dict)
 
-    def as_json(self) -> str:
-        """Return configuration and files of events as canonical JSON: what the answers remember."""
+    def as_data(self) -> dict[str, Any]:
+        """Return configuration and files of events as plain data: what the answers remember."""
         document = self.config.model_dump(exclude_defaults=True)
         if named := named_model(self):  # D7.2 names it in several ways
             document["Model"]["parameters"] = [{"model": named[0]}]
         if self.event_files:
             document[_EVENT_FILES] = dict(self.event_files)
-        return json.dumps(_sorted(document), indent=1)
+        return dict(_sorted(document))
 
     def path(self, name: str) -> str:
         """Return the path of a file that is named relative to this configuration, for places."""
@@ -216,14 +215,14 @@ class ConfigFile(Placed):
         return inside_scalar(text, place, value)
 
 
-def from_json(text: str, name: str) -> ConfigFile:
-    """Read back what ``ConfigFile.as_json`` wrote.
+def from_data(data: object, name: str) -> ConfigFile:
+    """Read back what ``ConfigFile.as_data`` returned.
 
     Raises:
         ValueError: a person or a merge has damaged it.
     """
-    document = json.loads(text)
-    files = document.pop(_EVENT_FILES, {}) if isinstance(document, dict) else {}
+    document = dict(data) if isinstance(data, Mapping) else {}
+    files = document.pop(_EVENT_FILES, {})
     if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
         raise ValueError(f"{_EVENT_FILES} is not a map of texts")
     config = Config.model_validate(document)
@@ -232,7 +231,7 @@ def from_json(text: str, name: str) -> ConfigFile:
 
 def _sorted(value: Any, key: str = "") -> Any:
     """Return maps with sorted keys; the order of the fields of a message is a part of its type."""
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [_sorted(item) for item in value]
     if not isinstance(value, dict):
         return value

@@ -30,7 +30,7 @@ from eddi_scaffold.config.field_types import Fields, MessageFields, declared
 from eddi_scaffold.config.file import undecided
 from eddi_scaffold.config.topic_block import extended, read_block
 from eddi_scaffold.connect.draft import Age, age_line, entry
-from eddi_scaffold.connect.keeping import Draft, model_id, text_of, topics_of, with_draft
+from eddi_scaffold.connect.keeping import Draft, model_id, topics_of, with_draft
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.robot import robot_of
 from eddi_scaffold.connect.rossystem import ConfigChange, read_config_text, with_topics
@@ -43,7 +43,7 @@ from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs
 from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.mros.topics import slug
-from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, value_11
+from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, text_of, value_11
 
 _SILENT = (False,)  # what a field may be while nothing is known, that evidence may be made of
 

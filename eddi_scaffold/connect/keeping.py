@@ -14,7 +14,7 @@ from eddi_scaffold.config.topic_block import ConfigText
 from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, items_of, read_map
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, items_of, read_map, text_of
 from eddi_scaffold.yaml_text.spans import Span, TextEditor, comments, spans
 
 _OUTPUTS = ("EDDIOutputs", "EDDIOoutputs", "EDDIOOutputs")
@@ -223,12 +223,6 @@ def _lost(old: Node, new: Node | None) -> Iterator[Node]:
         items = new.items if isinstance(new, Items) else ()
         for item, other in zip(old.items, chain(items, repeat(None)), strict=False):
             yield from _lost(item, other)
-
-
-def text_of(node: Node | None, key: str) -> str | None:
-    """Return the text of a key, ``None`` where there is none."""
-    value = node.get(key) if isinstance(node, Map) else None
-    return value.text if isinstance(value, Scalar) else None
 
 
 def model_id(root: Map) -> str | None:

@@ -21,7 +21,7 @@ from eddi_scaffold.common.identifiers import attribute, full_topic
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.file import from_json as config_of
+from eddi_scaffold.config.file import from_data as config_of
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.compiling import MonitorFacts, from_json
@@ -145,11 +145,11 @@ def wired(monitor: BoundMonitor, namespace: str = "") -> WiredMonitor:
 
 def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor | None:
     """Return a monitor as the answers of its package have it; ``None`` for other packages."""
-    if not answers.get("facts_json") or not answers.get("config_json"):
+    if not answers.get("facts") or not answers.get("config"):
         return None
     try:
-        config = config_of(answers["config_json"], package)
-        facts = from_json(answers["facts_json"])
+        config = config_of(answers["config"], package)
+        facts = from_json(answers["facts"])
         kind, file = kinds()[answers["kind"]], str(answers["model_file"])
         alone = {
             output["topic_text"]: "the same field"

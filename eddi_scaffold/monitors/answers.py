@@ -26,19 +26,21 @@ from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import EditableMethod, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
+from eddi_scaffold.program.runtime_parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
 from eddi_scaffold.regions.marked_file import parse
-from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
+from eddi_scaffold.regions.markers import Digests, tail_of
 
 ACCESS = ("by_id", "by_key", "by_name", "given", "joined")
 """Functions of the runtime that generated lines of ``process_<input>`` call."""
+_OURS = ("compiled.py", ".bin")
 _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 
 
 def files_of(monitor: BoundMonitor, code: str = "", text: str = "") -> dict[str, bytes]:
-    """Return path -> content of the files that Copier does not render.
+    """Return path -> content of the files that Copier does not render; the model as text is first.
 
-    ``code`` is the folder of the Python package, with a slash, for its tables; empty where that is
-    the package itself. ``text`` is the same for the model as text, which is first.
+    ``code`` is the folder of the Python package, with a slash; empty where that is the package
+    itself. ``text`` is that of the model.
     """
     model = monitor.unconfigured.named(monitor.model.name)
     files: dict[str, bytes] = {}
@@ -46,7 +48,9 @@ def files_of(monitor: BoundMonitor, code: str = "", text: str = "") -> dict[str,
         texts = {name: _as_kept(of) for name, of in model.write().items()}
         if not any(faults or marked.regions for marked, faults in map(parse, texts.values())):
             files = {f"{text}{name}": of.encode() for name, of in texts.items()}
-    return files | {f"{code}{name}": of for name, of in monitor.compiled.tables.items()}
+    compiled = f"# fmt: off\n{monitor.compiled.text}\n".encode()
+    tables = {f"{code}{name}": of for name, of in monitor.compiled.tables.items()}
+    return files | {f"{code}compiled.py": compiled} | tables
 
 
 def _as_kept(text: str) -> str:
@@ -66,6 +70,10 @@ def shared_answers(
     title = f"{monitor.kind.title} {one_line(monitor.model.name)}"
     identity = identity_answers(monitor.package, f"Runtime monitor of the {title}", config)
     called = " ".join(binding.expression or "" for binding in monitor.inputs)
+    parts = [*runtime_parts_of(monitor.compiled.text)]
+    if config is not None:
+        parts += [PEERS] if config.Fleet is not None else []
+        parts += with_needed([LIFE_CYCLE]) if config.Model.lifecycle else []
     readme = [one_line(line) for line in monitor.model.readme()]
     readme += ["", one_line(monitor.cross_check)] if monitor.cross_check else []
     return {
@@ -76,9 +84,9 @@ def shared_answers(
         "model_id_text": python_comment(monitor.model.name),
         "model_file": markdown_code(facts.file),
         "model_sha256": facts.file_sha256,
-        "model_text": next((name for name in files if not name.endswith(".bin")), ""),
+        "model_text": next((name for name in files if not name.endswith(_OURS)), ""),
         "inputs": [_input_answers(binding) for binding in monitor.inputs],
-        "runtime_names": ["EDDIInputBase", *(name for name in ACCESS if f"{name}(" in called)],
+        "runtime_names": [name for name in ACCESS if f"{name}(" in called],
         "modules": [
             {
                 "name": module.file.removesuffix(".py"),
@@ -102,10 +110,10 @@ def shared_answers(
         ],
         "readme": ["", *readme] if readme else [],
         "default_guarantees": list(monitor.default_guarantees),
-        "config_json": monitor.config.as_json() if monitor.config else "",
-        "compiled": monitor.compiled.text,
+        "config": monitor.config.as_data() if monitor.config else {},
+        "parts": parts,
         "files": {name: hashlib.sha256(data).hexdigest() for name, data in files.items()},
-        "facts_json": facts.to_json(),
+        "facts": facts.to_json(),
     }
 
 
@@ -118,9 +126,8 @@ def _method_answers(method: EditableMethod) -> dict[str, JsonValue]:
         "returns": f" -> {method.returns}" if method.returns else "",
         "comments": list(method.comments),
         "before": list(method.before),
-        "region_begin": begin_marker(method.name, digests=Digests(uses=uses), was=method.was),
+        "region": f"{method.name}{tail_of(Digests(uses=uses), method.was)}",
         "body": list(method.body),
-        "region_end": end_marker(method.name),
         "after": list(method.after),
     }
 
@@ -143,7 +150,6 @@ def identity_answers(package: str, description: str, config: Config | None) -> d
 
 def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
     item = binding.model
-    region = f"process_{binding.attribute}"
     was = [f"process_{attribute(binding.renamed_from)}"] if binding.renamed_from else []
     # What the body may use: a change asks for a look at a hand-written one.
     pairs = zip(binding.arguments, binding.requires, strict=True)
@@ -160,8 +166,7 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
         "arguments": list(binding.arguments),
         "requires": python_literal(tuple(source.id for source in binding.requires)),
         "comments": _comments(binding),
-        "region_begin": begin_marker(region, digests=uses, was=was),
-        "region_end": end_marker(region),
+        "region": f"process_{binding.attribute}{tail_of(uses, was)}",
         "body": _body(binding),
         "sources": ", ".join(f"`{markdown_code(s.topic or s.id)}`" for s in binding.requires)
         or "nothing",
@@ -179,10 +184,8 @@ def _comments(binding: InputBinding) -> list[str]:
     if binding.factor is not None:
         unit += f" (converted to {python_comment(item.unit or 'a ratio')})"
     good = f", good when {python_comment(item.covered)}" if item.covered else ""
-    lines.append(f"{item.type}{unit}{good}")
-    if binding.computed_text:
-        lines.append(f"computed: {python_comment(binding.computed_text)}")
-    return lines
+    computed = binding.computed_text and f"; computed: {python_comment(binding.computed_text)}"
+    return [*lines, f"{item.type}{unit}{good}{computed or ''}"]
 
 
 def _body(binding: InputBinding) -> list[str]:

@@ -6,12 +6,13 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import MISSING, asdict, dataclass, field, fields, is_dataclass, replace
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
+import pydantic_core
 from eddi_runtime import ModelError as NotRunning
 from eddi_runtime.history import EDDIInputBase
 from pydantic import TypeAdapter
@@ -29,6 +30,7 @@ from eddi_scaffold.program.python_text import comment
 from eddi_scaffold.program.running import module_of
 
 FORMAT = 1
+_NEXT = ",\n"
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class InputFacts:
 
 @dataclass(frozen=True)
 class MonitorFacts:
-    """Content of the answer ``facts_json``."""
+    """Content of the answer ``facts``."""
 
     kind: str
     id: str
@@ -68,16 +70,38 @@ class MonitorFacts:
         return [claim for claim in self.claims if part in (None, claim.id)]
 
     def to_json(self) -> str:
-        """Return the text of the answer."""
-        content = asdict(self, dict_factory=lambda pairs: {k: v for k, v in pairs if v is not None})
-        return json.dumps(content, sort_keys=True, indent=1, default=sorted)
+        """Return the text of the answer, a line for each part; what is the default is left out."""
+        model: dict[str, Any] = {}
+        lines = []
+        for name, value in _plain(self).items():
+            if isinstance(value, list):
+                lines.append(f'"{name}": [{_NEXT.join(map(json.dumps, value))}]')
+            elif isinstance(value, dict):
+                rows = (f"{json.dumps(key)}: {json.dumps(of)}" for key, of in value.items())
+                lines.append(f'"{name}": {{{_NEXT.join(rows)}}}')
+            else:
+                model[name] = value
+        about = f'"model": {json.dumps({**model, "format": self.format})}'
+        return f"{{{_NEXT.join([about, *lines])}}}"
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value):
+        parts = ((part, getattr(value, part.name)) for part in fields(value))
+        return {part.name: _plain(of) for part, of in parts if of != part.default}
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, tuple | frozenset):
+        return [*map(_plain, sorted(value) if isinstance(value, frozenset) else value)]
+    return value
 
 
 def from_json(text: object) -> MonitorFacts:
     """Return the facts of a package (ValueError: the text is damaged, or of another format)."""
-    if not isinstance(text, str):
+    data = pydantic_core.from_json(text) if isinstance(text, str) and text else None
+    if not isinstance(data, dict) or not isinstance(data.get("model"), dict):
         raise ValueError("there are no facts of the monitor")  # noqa: TRY004 - damage, no misuse
-    facts = _adapter().validate_json(text)
+    facts = _adapter().validate_python({**data.pop("model"), **data})
     if facts.format != FORMAT:
         raise ValueError(f"facts of the format {facts.format}, only {FORMAT} is known")
     return facts
@@ -187,7 +211,7 @@ def compile_monitor(
     digest = digest_of(model.kind, model, tuple(inputs))
     compiled = model.compile(Declaration(model.name, digest, tuple(inputs)))
     compiled = replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
-    origin = f"{comment(source.file_name)} {comment(path or '')}"
+    origin = f" from {comment(source.file_name)} {comment(path or '')}".rstrip()
     text = module_text(model.kind, compiled, model.name, origin)
     module = CompiledModule(text.removesuffix("\n"), compiled.tables, compiled.program)
     try:

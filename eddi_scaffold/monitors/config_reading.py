@@ -40,8 +40,8 @@ from eddi_scaffold.config.file import (
 from eddi_scaffold.config.schema import Config, ModelSection
 from eddi_scaffold.eddi_xml.parsing import looks_like_xml
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors.spellings import kinds_of_type, spelt_out, text_of
-from eddi_scaffold.yaml_text.nodes import Map, read_maps
+from eddi_scaffold.monitors.spellings import kinds_of_type, spelt_out
+from eddi_scaffold.yaml_text.nodes import Map, read_maps, text_of
 
 _NO_OUTPUTS = (
     "SimulatorOutputs has none: `--system FILE --models DIR` takes them from the robot's models"

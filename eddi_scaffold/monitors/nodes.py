@@ -73,7 +73,6 @@ class MonitorNode:
 
         ``class_of``: message type -> name of its class in the generated module.
         """
-        model = self.config.config.Model
         taken_each = {  # some input takes every message of these topics, not the latest one
             binding.requires[0].id
             for binding in self.monitor.inputs
@@ -85,9 +84,6 @@ class MonitorNode:
             others = [source for source in self._required if source.peers is not None]
             answers_of_fleet = fleet_answers(fleet, class_, others)
         return {
-            "frequency": repr(model.frequency),
-            "mode": model.mode,
-            "startup_grace": repr(model.startup_grace),
             "subscriptions": [
                 {
                     "id": python_literal(source.id),

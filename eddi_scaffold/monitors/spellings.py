@@ -28,6 +28,7 @@ from eddi_scaffold.yaml_text.nodes import (
     items_of,
     map_of,
     scalars_of,
+    text_of,
 )
 
 _ALIASES = {
@@ -68,12 +69,6 @@ def _joined(value: Node, other: Node) -> Node:
             both = {id_: joined(entry, new.get(id_)) for id_, entry in own.items()}
             return replace(value, items=tuple({**both, **new, **both}.values()))
     return other
-
-
-def text_of(node: Node | None, key: str) -> str | None:
-    """Return the text of a key of a map."""
-    value = node.get(key) if isinstance(node, Map) else None
-    return None if value is None else as_text(value)
 
 
 def _texts(place: Place, texts: Mapping[str, str]) -> Map:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Container, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -21,7 +20,7 @@ from eddi_scaffold.common.problems import (
     problem,
 )
 from eddi_scaffold.config.field_types import MessageFields
-from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.file import ConfigFile, from_data
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.support import WiredMonitor, facts_of_package
@@ -41,7 +40,7 @@ from eddi_scaffold.platforms import (
     Platform,
     owner_of,
 )
-from eddi_scaffold.regions.package import bytes_at, is_relative
+from eddi_scaffold.regions.package import known_file
 
 
 @dataclass(frozen=True)
@@ -119,8 +118,8 @@ def _remembered_types(config: ConfigFile, root: Path, former: Mapping[str, str])
     answers = read_answers(folder) or {}
     with suppress(EddiError):  # reported, if it matters, where the package is written
         check_answers(folder, answers)
-        if text := answers.get("config_json"):
-            return from_json(text, folder.name).config.MessageTypes
+        if text := answers.get("config"):
+            return from_data(text, folder.name).config.MessageTypes
     return {}
 
 
@@ -161,7 +160,7 @@ def assemble(
         reported += [
             problem("G001.had_configuration", Place(str(root / name)))
             for name, answers in before.items()
-            if (name in renewed or name in gone) and answers.get("config_json")
+            if (name in renewed or name in gone) and answers.get("config")
         ]
     if packages and chosen.get(SINGLE_PROCESS) and SINGLE_PROCESS not in packages[0].answers:
         reported.append(problem("G000.single_process", platform=platform.name))
@@ -264,10 +263,10 @@ def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:
     Keys that begin with ``_`` are Copier's own: where the templates came from.
     """
     kept = {key: value for key, value in answers.items() if not key.startswith("_")}
-    files = {}
-    for name, digest in answers.get("files", {}).items():
-        data = bytes_at(package, name) if is_relative(name) else None
-        if data is not None and hashlib.sha256(data).hexdigest() == digest:
-            files[name] = data
-    made = {} if "compiled" in answers else {"generator_version": __version__}
+    files = {
+        name: data
+        for name, digest in answers.get("files", {}).items()
+        if (data := known_file(package, name, digest)) is not None
+    }
+    made = {} if "facts" in answers else {"generator_version": __version__}
     return PackageAnswers(package.name, {**kept, **made}, files)

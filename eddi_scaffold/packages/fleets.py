@@ -56,7 +56,7 @@ def write_sites(
             f"{site.name}: {name} is no monitor of this robot in the deployment file, and still "
             "runs; remove its folder and repeat this"
             for name, answers in plan.present.items()
-            if "facts_json" in answers and name not in own
+            if "facts" in answers and name not in own
         ]
         old = left_behind(plan.present, plan.packages, site.monitors, ())
         decide += [f"{site.name}: {text}" for text, is_new in old if is_new]

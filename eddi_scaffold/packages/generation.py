@@ -6,9 +6,10 @@ All packages of one command are rendered and planned first; only if none refuses
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.packages.handwritten import ADOPT, is_of_d72, lost_sources, write_plans
@@ -16,12 +17,13 @@ from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.unpacking import Unpacked, scratch_folder, unpacked
 from eddi_scaffold.packages.workspace import alone, lacks_answers, refuse_newer
-from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.platforms import PackageAnswers, owner_of
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.package import (
     EDDI,
     MANIFEST,
     NEW,
+    Note,
     Plan,
     bytes_at,
     manifest_of,
@@ -31,8 +33,8 @@ from eddi_scaffold.regions.package import (
 )
 from eddi_scaffold.regions.sync import plan_sync
 
-_IGNORED = f"{EDDI}/.gitignore"
 _STAGE = "rendering"
+_IGNORED = b"# What Python leaves behind; yours to edit.\n__pycache__/\n*.pyc\n"
 _CHANGED = b"# The templates had changes that were not committed.\n"
 
 
@@ -121,21 +123,32 @@ def write_packages(
             notes += [
                 (f"{folder}/{note.place}: {note.text}", note.attention) for note in plan.notes
             ]
-            if "facts_json" in package.answers:
+            if "facts" in package.answers:
                 marked = (s.path for s in plan.steps if s.data and b"Manual edit begin" in s.data)
                 files = (path for path in marked if not path.startswith((EDDI, ANSWERS_FILE)))
                 editable.update(f"{folder}/{path}" for path in files)
+        ignoring = _ignoring(root, packages)
         steps = [(folder, plan, step) for folder, plan in plans.items() for step in plan.steps]
         old = {f"{folder}/{s.path}": bytes_at(plan.root, s.path) for folder, plan, s in steps}
         _refuse(plans.values())
         if not dry_run:
             _write(plans, renames, root)
+            for path, data in ignoring.items():
+                (root / path).write_bytes(data)
             notes += renames.notes(root, plans)
-    changes = {f"{folder}/{step.path}": step.data for folder, _, step in steps}
+    changes = {f"{folder}/{step.path}": step.data for folder, _, step in steps} | ignoring
     before = {path: data for path, data in old.items() if data is not None}
     lines = list(dict.fromkeys(note for note, _ in notes))
     look = any(attention for _, attention in notes)
     return WriteResult(root, changes, before, lines, look, (), frozenset(editable))
+
+
+def _ignoring(root: Path, packages: Iterable[PackageAnswers]) -> dict[str, bytes]:
+    """Return path -> the `.gitignore` beside packages of a workspace, where there is none."""
+    owners = ((p.folder, owner_of(str(p.answers["template"]))) for p in packages if p.answers)
+    folders = {PurePosixPath(folder).parent for folder, owner in owners if owner.workspace}
+    paths = ((folder / ".gitignore").as_posix() for folder in sorted(folders))
+    return {path: _IGNORED for path in paths if not os.path.lexists(root / path)}
 
 
 def _planned(
@@ -147,7 +160,7 @@ def _planned(
         The plan, and what is to be said of the rendering.
     """
     rendering = rendered / NEW / _STAGE
-    records: dict[str, bytes | None] = dict.fromkeys([ANSWERS_FILE, _IGNORED])
+    records: dict[str, bytes | None] = {ANSWERS_FILE: None}
     if package.answers:
         warnings = renderer.render({**package.answers, "stage": _STAGE}, rendered)
         for name, data in package.files.items():
@@ -155,12 +168,15 @@ def _planned(
             (rendering / name).write_bytes(data)
         changed = _CHANGED if renderer.source.notes else b""
         answers = (rendered / ANSWERS_FILE).read_bytes() + changed
-        records = {ANSWERS_FILE: answers, _IGNORED: (rendered / _IGNORED).read_bytes()}
+        records = {ANSWERS_FILE: answers}
     else:
         warnings = [f"{package.folder}: removed, nothing needs it any more"]
         rendering.mkdir(parents=True)
     more = (package.saved, package.adopted, renames.regions)
-    return plan_sync(target, rendering, records, *more), warnings
+    plan = plan_sync(target, rendering, records, *more)
+    lost = "its generated text is nowhere any more: name the model with -m"
+    refusals = [*plan.refusals, *(Note(name, None, lost) for name in package.lacks)]
+    return plan._replace(refusals=refusals), warnings
 
 
 def _refuse(plans: Iterable[Plan]) -> None:
@@ -210,7 +226,7 @@ def _is_current(
         return False
     origin = {"_commit": source.commit, "_src_path": template.location}
     answers, today = read_answers(target) or {}, {**package.answers, **origin}
-    if any(key not in answers or answers[key] != value for key, value in today.items()):
+    if any(answers.get(key, None if value else value) != value for key, value in today.items()):
         return False
     if package.files.keys() - manifest.files.keys():
         return False

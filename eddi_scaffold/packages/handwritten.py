@@ -23,6 +23,7 @@ ADOPT = (
     "this file is of the D7.2 tools: it runs as it is, and no regeneration fits it to the model;"
     " `eddi-scaffold adopt OLD_PACKAGE` puts its bodies into regions"
 )
+_BEGIN = "# -----Manual edit begin-----  # region: "
 _OF_D72 = re.compile(r"^class EDDIInput\s*(\(\s*(object)?\s*\))?\s*:", re.MULTILINE)
 
 
@@ -64,7 +65,7 @@ def _statements(answers: Mapping[str, Any]) -> Iterator[tuple[Marker, str, str]]
     for entry in inputs if isinstance(inputs, list) else ():
         body = entry.get("body") if isinstance(entry, dict) else None
         if isinstance(body, list) and body:
-            marker = read_marker(str(entry.get("region_begin")), 1)
+            marker = read_marker(f"{_BEGIN}{entry.get('region')}", 1)
             if isinstance(marker, Marker):
                 waits = body[-1] == f"self.{entry.get('attribute')} = None"
                 yield marker, "" if waits else str(body[-1]), str(entry.get("title"))

@@ -173,7 +173,7 @@ def left_behind(
     Yields:
         A sentence, and whether it is news: a package was made that was not there.
     """
-    made = {new.folder: new.answers for new in packages if "facts_json" in new.answers}
+    made = {new.folder: new.answers for new in packages if "facts" in new.answers}
     known: set[tuple[str, str]] = set()
     for folder, answers in present.items():
         if folder in gone or folder in made:
@@ -198,7 +198,7 @@ def left_behind(
 
 def _may_be(new: Mapping[str, Any], old: Mapping[str, Any]) -> bool:
     """Return whether two packages may be of one model: by its file, or by what it reads."""
-    if "facts_json" not in old or new["kind"] != old["kind"]:
+    if "facts" not in old or new["kind"] != old["kind"]:
         return False
     topics, former = (
         {entry["id"]: entry["sources"] for entry in of["inputs"]} for of in (new, old)

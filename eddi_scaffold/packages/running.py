@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stdout
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from eddi_runtime.plain_values import one_line
@@ -102,7 +101,7 @@ def packages_in(places: Sequence[Path], *, code: bool = True) -> Packages:
     for place in places:
         for group in groups(place.resolve() if place.is_symlink() else place, ()):
             for name, answers in group.present.items():
-                if "facts_json" in answers:
+                if "facts" in answers:
                     folders[group.root / name] = group.robot, answers
     return Packages(folders, code)
 
@@ -163,12 +162,6 @@ def _imported(folder: Path, monitor: BoundMonitor) -> Callable[[], tuple[Any, An
     finally:
         sys.path.remove(str(place))
         sys.dont_write_bytecode = before
-    # A plain package has a runtime of its own, which must be one with that of the others.
-    for part in vars(sys.modules[f"{name}.compiled"]).values():
-        if isinstance(part, ModuleType) and hasattr(part, "FORMAT"):
-            own = importlib.import_module(part.__name__.removeprefix(f"{name}."))
-            if part.FORMAT != own.FORMAT:
-                raise ImportError("its runtime has another format: run `eddi-scaffold upgrade`")
     if monitor_class().monitor.digest != monitor.facts.digest:
         raise ImportError("its compiled.py is of another model: run `eddi-scaffold upgrade`")
     return lambda: (monitor_class(), input_class())

@@ -6,7 +6,6 @@ model contains today.
 
 from __future__ import annotations
 
-import json
 from ast import literal_eval
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -118,11 +117,11 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
 
 
 def _trace_of(answers: Mapping[str, Any]) -> Trace:
-    facts = facts_of(answers["facts_json"])
+    facts = facts_of(answers["facts"])
     all_links = facts.links or {}
     code = dict(_code(answers))
     inputs = {input_.id: input_ for input_ in facts.inputs}
-    config: Mapping[str, Any] = json.loads(answers.get("config_json") or "{}")
+    config: Mapping[str, Any] = answers.get("config") or {}
     topics = {item["id"]: item.get("topic", "") for item in config.get("SimulatorOutputs", ())}
     section = config.get("Model") or {}
     limits = [*(section.get("evidence") or ()), *(section.get("thresholds") or ())]

@@ -15,7 +15,7 @@ from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import next_to, read_source
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
-from eddi_scaffold.config.file import ConfigFile, from_json, named_model_path
+from eddi_scaffold.config.file import ConfigFile, from_data, named_model_path
 from eddi_scaffold.deployments.joining import unanswered
 from eddi_scaffold.deployments.support import facts_of_package
 from eddi_scaffold.kinds import Model, kinds
@@ -173,9 +173,13 @@ def targets(
         models |= newer
         problems += model_problems
     remade: dict[str, Rejoined] = {}
+    present: dict[str, PackageAnswers] = {}
     for folder, answers in group.present.items():
-        is_old = "compiled" in answers and answers["generator_version"] != __version__
-        if folder not in models and (paths[folder] is None if folder in paths else is_old):
+        if "facts" not in answers or folder in models:
+            continue
+        present[folder] = kept = stored(group.root / folder, answers)
+        is_old = answers["generator_version"] != __version__ or kept.lacks
+        if paths[folder] is None if folder in paths else is_old:
             made_anew = monitor_of_text(group.root / folder, answers)
             remade |= {folder: made_anew} if made_anew is not None else {}
     for folder, config in configs.items():
@@ -187,15 +191,15 @@ def targets(
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
     for folder, answers in group.present.items():
-        if "facts_json" not in answers:
+        if "facts" not in answers:
             continue
         platform = monitors[folder] = owner_of(str(answers["template"]))
         if folder not in renewed:
-            packages.append(stored(group.root / folder, answers))
+            packages.append(present[folder])
             continue
         monitor, binding_problems = renewed[folder]
         if folder in remade:
-            monitor = _with_origin(monitor, facts_of(answers["facts_json"]))
+            monitor = _with_origin(monitor, facts_of(answers["facts"]))
         package, package_problems = platform.monitor(monitor)
         packages.append(with_choices(package, [answers]))
         problems += [*binding_problems, *package_problems]
@@ -227,8 +231,8 @@ def rejoined(
         if folder not in models:
             continue
         config = configs.get(folder)
-        if text := answers.get("config_json"):
-            old = from_json(text, f"the configuration that {folder} remembers")
+        if text := answers.get("config"):
+            old = from_data(text, f"the configuration that {folder} remembers")
             # types that came from models of the robot stay known without these
             config = old if config is None else with_types(config, old.config.MessageTypes)
         marks = answers.get("default_guarantees") or ()
@@ -246,9 +250,9 @@ def monitor_of_text(package: Path, answers: Mapping[str, Any]) -> Rejoined | Non
 
     Nothing where the text is gone, or is not what the package was made of: its digest tells.
     """
-    facts = facts_of(answers["facts_json"])
+    facts = facts_of(answers["facts"])
     with suppress(EddiError):
-        source = read_source(next_to(str(package / ANSWERS_FILE), answers["model_text"]))
+        source = read_source(next_to(str(package / ANSWERS_FILE), answers.get("model_text", "")))
         reading = kinds()[facts.kind].model_class.read_file(source, ())
         model = complete_reading(source, reading).models[0].named(facts.id)
         ((monitor, problems),) = rejoined(
@@ -279,7 +283,7 @@ def compiled_before(packages: Iterable[PackageAnswers]) -> list[str]:
     return [
         f"{package.folder}: {stay.format(package.answers['generator_version'])}"
         for package in packages
-        if "compiled" in package.answers and package.answers["generator_version"] != __version__
+        if "facts" in package.answers and package.answers["generator_version"] != __version__
     ]
 
 
@@ -289,7 +293,7 @@ def _newer_models(
     """Return the newer model of each package that has one in the file, read with its marks."""
     source = read_source(model_file)
     file_name = markdown_code(source.file_name)
-    made_of = {f: (a["kind"], model_id(a)) for f, a in group.present.items() if "facts_json" in a}
+    made_of = {f: (a["kind"], model_id(a)) for f, a in group.present.items() if "facts" in a}
     first = read_models(source)
     names = {(model.kind, model.name) for model in first.models}
     folders = [folder for folder, made in made_of.items() if made in names]

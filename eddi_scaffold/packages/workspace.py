@@ -10,15 +10,14 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.config.file import from_json
+from eddi_scaffold.config.file import from_data
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.compiling import from_json as facts_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, is_newer, read_answers, release
 from eddi_scaffold.platforms import Platform, owner_of
-from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from eddi_scaffold.regions.package import MANIFEST, BusyError, locked
 
-_OF_INPUTS = ("id", "attribute", "title", "sources", "region_begin")
+_OF_INPUTS = ("id", "attribute", "title", "sources", "region")
 
 
 def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, Any]]:
@@ -50,14 +49,14 @@ def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
     """Refuse the answers of a package that other code could not follow (EddiError, T005)."""
     try:
         owner_of(str(answers["template"]))
-        if "facts_json" in answers:
+        if "facts" in answers:
             model_id(answers)
             kinds()[answers["kind"]]
             answers["model_file"]
-            "".join([answers["model_text"], *answers["files"], *answers["files"].values()])
-            runtime_parts_of(answers["compiled"])
-            if answers.get("config_json"):
-                from_json(answers["config_json"], package.name)
+            "".join([answers.get("model_text", ""), *answers["files"], *answers["files"].values()])
+            "".join(answers.get("parts", ()))
+            if answers.get("config"):
+                from_data(answers["config"], package.name)
             "".join(input_[key] for input_ in answers["inputs"] for key in _OF_INPUTS)  # all texts
     except (AttributeError, KeyError, SyntaxError, TypeError, ValueError, RecursionError) as damage:
         reason = str(damage).partition("\n")[0]
@@ -67,7 +66,7 @@ def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
 
 def model_id(answers: Mapping[str, Any]) -> str:
     """Return the id of the model that a monitor package was generated from."""
-    return facts_of(answers["facts_json"]).id
+    return facts_of(answers["facts"]).id
 
 
 @contextmanager

@@ -31,6 +31,7 @@ RUNTIME, SINGLE_PROCESS = "runtime", "single_process"
 """Answers of a monitor package: where the runtime library is; whether one process runs all."""
 VENDORED, INSTALLED = "vendored", "installed"
 """Beside the monitors, or a distribution that rosdep or pip installs."""
+RUNTIME_PACKAGE = "eddi_runtime"  # of the package with it
 Choices = Mapping[str, "str | bool"]
 """What a person chose for the monitors of a workspace: some of these answers."""
 
@@ -42,7 +43,8 @@ def built_in(place: Path, command: str) -> str:
 
 def pip_install(place: Path, monitors: Sequence[str]) -> list[str]:
     """Return what a person types to install packages of Python that are in a folder."""
-    return [f"pip install {' '.join(quote(str(place / monitor)) for monitor in monitors)}"]
+    runtime = [RUNTIME_PACKAGE] if (place / RUNTIME_PACKAGE).is_dir() else []
+    return [f"pip install {' '.join(quote(str(place / name)) for name in [*runtime, *monitors])}"]
 
 
 def choices(runtime: str | None, single_process: bool | None) -> Choices:
@@ -107,11 +109,18 @@ class PackageAnswers:
     # all answers of its template, in the order in which they are written; none for a package that
     # leaves
     answers: Mapping[str, JsonValue]
-    # path in the package -> bulk data that Copier does not render
+    # path in the package -> what Copier does not render
     files: Mapping[str, bytes] = field(default_factory=dict)
     saved: Sequence[Body] = ()  # bodies that are waiting for their regions
     # name -> lines of an adopted module that have no place in the package
     adopted: Mapping[str, bytes] = field(default_factory=dict)
+
+    @property
+    def lacks(self) -> Sequence[str]:
+        """Return what runs, and is nowhere any more: files that its answers know by digest."""
+        known = self.answers.get("files")
+        text = {self.answers.get("model_text")}
+        return sorted({*known} - {*self.files} - text) if isinstance(known, Mapping) else ()
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.escaping import toml_text
@@ -18,6 +19,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
 from eddi_scaffold.platforms import (
     RUNTIME,
+    RUNTIME_PACKAGE,
     VENDORED,
     Meeting,
     MeetingPlace,
@@ -26,8 +28,8 @@ from eddi_scaffold.platforms import (
     Templates,
     pip_install,
 )
-from eddi_scaffold.platforms.ros_packages import types_of
-from eddi_scaffold.program.runtime_parts import PEERS, requirements_of, runtime_parts_of
+from eddi_scaffold.platforms.ros_packages import GENERATED, runtime_packages, types_of
+from eddi_scaffold.program.runtime_parts import requirements_of, runtime_parts_of
 
 _IDS = {
     "int8": 2, "uint8": 3, "char": 3, "int16": 4, "uint16": 5, "int32": 6, "uint32": 7, "int64": 8,
@@ -119,7 +121,7 @@ def with_parts(type_: str, known: MessageFields, above: tuple[str, ...] = ()) ->
     yield type_
 
 
-_TEMPLATES = Templates("dds_monitor")
+_TEMPLATES = Templates("dds_monitor", ("dds_runtime",))
 
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
@@ -130,20 +132,18 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     files = files_of(monitor)
     answers = shared_answers(monitor, _TEMPLATES.monitor, files)
     answers["description_literal"] = toml_text(str(answers["description"]))
-    parts = runtime_parts_of(monitor.compiled.text)
-    answers["requirements"] = needs = requirements_of(parts)
+    answers["requirements"] = needs = requirements_of(runtime_parts_of(monitor.compiled.text))
     answers["requirements_text"] = ", ".join(["cyclonedds", *needs])
     answers["package_data"] = sorted(monitor.compiled.tables)
     answers |= node.answers(lambda of: f"messages.{of.replace('/', '_')}", has_qos=True)
     answers |= definitions
     answers[RUNTIME] = VENDORED
-    answers["parts"] = [*parts, PEERS] if answers["fleet"] else [*parts]
     return PackageAnswers(monitor.package, answers, files), [*problems, *errors, *unknown]
 
 
 def _taken_names(_root: Path | None) -> Mapping[str, str]:
     used = {name: f"it would hide {name}" for name in ("numpy", "cyclonedds", "rich_click")}
-    return {**taken_by_python(), **used}
+    return {**taken_by_python(), **used, RUNTIME_PACKAGE: GENERATED}
 
 
 def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
@@ -164,6 +164,7 @@ PLATFORM = Platform(
     name="dds",
     templates=_TEMPLATES,
     monitor=_monitor,
+    support=partial(runtime_packages, "dds_runtime"),
     taken_names=_taken_names,
     next_steps=_next_steps,
     meeting=Meeting("domain", "0", _steps_of_robot, has_partitions=True),

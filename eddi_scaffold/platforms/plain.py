@@ -1,8 +1,9 @@
-"""Plain Python: one pip-installable package per monitor, with the runtime inside."""
+"""Plain Python: pip-installable packages, one for each monitor and one with the runtime."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.escaping import python_literal, toml_text
@@ -10,18 +11,25 @@ from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.monitors.answers import files_of, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
+from eddi_scaffold.platforms import (
+    RUNTIME,
+    RUNTIME_PACKAGE,
+    VENDORED,
+    PackageAnswers,
+    Platform,
+    Templates,
+)
+from eddi_scaffold.platforms.ros_packages import GENERATED, runtime_packages
 from eddi_scaffold.program.runtime_parts import requirements_of, runtime_parts_of
 
-_TEMPLATES = Templates("plain_monitor")
+_TEMPLATES = Templates("plain_monitor", ("plain_runtime",))
 
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     files = files_of(monitor)
     answers = shared_answers(monitor, _TEMPLATES.monitor, files)
     answers["description_literal"] = toml_text(str(answers["description"]))
-    answers["parts"] = parts = list(runtime_parts_of(monitor.compiled.text))
-    answers["requirements"] = needs = requirements_of(parts)
+    answers["requirements"] = needs = requirements_of(runtime_parts_of(monitor.compiled.text))
     answers["requirements_text"] = ", ".join(needs) or "no other packages"
     samples = {  # as the example in the README sets them; None is unknown
         binding.attribute: binding.model.sample if binding.factor is None else None
@@ -34,7 +42,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
 
 
 def _taken_names(_root: Path | None) -> Mapping[str, str]:
-    return {**taken_by_python(), "numpy": "it would hide numpy"}
+    return {**taken_by_python(), "numpy": "it would hide numpy", RUNTIME_PACKAGE: GENERATED}
 
 
 PLATFORM = Platform(
@@ -42,5 +50,6 @@ PLATFORM = Platform(
     templates=_TEMPLATES,
     needs_config=False,
     monitor=_monitor,
+    support=partial(runtime_packages, "plain_runtime"),
     taken_names=_taken_names,
 )

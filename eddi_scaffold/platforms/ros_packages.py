@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -19,60 +20,47 @@ from eddi_scaffold.config.field_types import (
     is_primitive,
     packages_of,
 )
-from eddi_scaffold.config.file import from_json
+from eddi_scaffold.config.file import from_data
 from eddi_scaffold.kinds import COMMON, WHY, JsonValue, kinds, texts_of_messages
 from eddi_scaffold.monitors.answers import files_of, identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
-from eddi_scaffold.platforms import VENDORED, Choices, PackageAnswers, runtime_of
-from eddi_scaffold.program.runtime_parts import (
-    LIFE_CYCLE,
-    PEERS,
-    requirements_of,
-    runtime_parts_of,
-    with_needed,
-)
+from eddi_scaffold.platforms import RUNTIME_PACKAGE, VENDORED, Choices, PackageAnswers, runtime_of
+from eddi_scaffold.program.runtime_parts import requirements_of, runtime_parts_of
 from eddi_scaffold.regions.package import LINK, entries
 
 _DIAGNOSTICS = {"/diagnostics": "diagnostic_msgs/DiagnosticArray"}
-_ARROWS = {"publishers": "pub", "subscribers": "sub"}
+_SECTIONS = {"pub": "publishers", "sub": "subscribers"}
 
 
 def interfaces_of(node: MonitorNode) -> list[JsonValue]:
-    """Return the sections of a node that are not empty: its topics, each once, sorted."""
+    """Return the topics of a node, each once, sorted: direction, name and type in a row."""
     told, read = (dict.fromkeys(topics, WHY) for topics in node.reasons)
     published = {topic.output.topic: topic.type for topic in node.publications}
     subscribed = {topic.topic: topic.type for topic in node.subscribed}
-    sections = {
-        "publishers": {**told, **published, **_DIAGNOSTICS, **node.between_robots},
-        "subscribers": {**read, **subscribed, **node.between_robots},
+    topics = {
+        "pub": {**told, **published, **_DIAGNOSTICS, **node.between_robots},
+        "sub": {**read, **subscribed, **node.between_robots},
     }
-    return [
-        {
-            "section": section,
-            "topics": [{"topic": name, "type": _named(of)} for name, of in sorted(topics.items())],
-        }
-        for section, topics in sections.items()
-        if topics
-    ]
+    return [f"{way} {name} {_named(of[name])}" for way, of in topics.items() for name in sorted(of)]
 
 
 def nodes_of(monitors: Mapping[str, Mapping[str, Any]]) -> list[JsonValue]:
-    """Return the nodes of a workspace, but for those that an earlier release made."""
-    return [
-        {
-            "name": name,
-            "interfaces": [
-                {"direction": _ARROWS[part["section"]], "topic": topic["topic"]}
-                for part in answers["interfaces"]
-                for topic in part["topics"]
-            ],
-        }
-        for name, answers in sorted(monitors.items())
-        if answers.get("interfaces")
-    ]
+    """Return the nodes of a workspace with the sections of their topics that are not empty."""
+    nodes: list[JsonValue] = []
+    for name, answers in sorted(monitors.items()):
+        rows = [row.split(" ") for row in answers.get("interfaces") or ()]
+        sections: list[JsonValue] = []
+        for direction, section in _SECTIONS.items():
+            topics: list[JsonValue] = [
+                {"topic": t, "type": of} for d, t, of in rows if d == direction
+            ]
+            if topics:
+                sections.append({"section": section, "direction": direction, "topics": topics})
+        nodes += [{"name": name, "interfaces": sections}] if sections else []
+    return nodes
 
 
 def specs_of(messages: Mapping[str, str]) -> Sequence[JsonValue]:
@@ -100,9 +88,9 @@ def _named(type_: str) -> str:
     return type_.replace("/", "/msg/")
 
 
-RUNTIME = "eddi_runtime"
 ROSDEP_KEY = "python3-eddi-runtime-pip"  # the runtime library as a distribution that is installed
 LAUNCHER = "eddi_monitor_launcher"
+GENERATED = "eddi-scaffold generates a package of this name itself"
 _MANIFESTS = frozenset(["package.xml", "manifest.xml"])
 
 
@@ -128,8 +116,8 @@ def taken_names(
                 taken.setdefault(name, f"the ROS package {name} is in {place}{end}")
     taken |= taken_by_python()
     taken |= dict.fromkeys(imported, "it would hide a module that every ROS node imports")
-    generated = (MESSAGE_PACKAGE, LAUNCHER, RUNTIME, *own)
-    return taken | dict.fromkeys(generated, "eddi-scaffold generates a package of this name itself")
+    generated = (MESSAGE_PACKAGE, LAUNCHER, RUNTIME_PACKAGE, *own)
+    return taken | dict.fromkeys(generated, GENERATED)
 
 
 def _packages(paths: Iterable[str]) -> Iterator[tuple[str, Path]]:
@@ -169,7 +157,7 @@ def _is_ours(package: Path) -> bool:
         return False
     return any(
         f"<exec_depend>{dependency}</exec_depend>" in manifest
-        for dependency in (RUNTIME, ROSDEP_KEY)
+        for dependency in (RUNTIME_PACKAGE, ROSDEP_KEY)
     )
 
 
@@ -248,8 +236,8 @@ def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, st
     for package, answers in monitors.items():
         kind = kinds()[str(answers["kind"])]
         waiting += kind.messages
-        if answers["config_json"]:
-            config = from_json(str(answers["config_json"]), "the configuration of a package").config
+        if answers.get("config"):
+            config = from_data(answers["config"], "the configuration of a package").config
             waiting += kind.between_robots if config.Fleet is not None else ()
             respelt |= kind.respelt(config.Model.model_extra or {})
             types = (entry.type.partition("/") for entry in config.SimulatorOutputs)
@@ -341,16 +329,23 @@ def support_packages(
         package(0, MESSAGE_PACKAGE, title, **messages),
         package(1, LAUNCHER, start, **nodes),
     ]
-    if runtime_of(monitors) == VENDORED:
-        needed = {*parts}
-        for answers in monitors.values():
-            asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}.items()
-            more = [part for name, part in asked if answers.get(name)]
-            needed |= {*with_needed([*runtime_parts_of(str(answers["compiled"])), *more])}
-        title, system = "Runtime library of the EDDI monitors", _system_packages(needed)
-        packages.append(package(2, RUNTIME, title, parts=sorted(needed), system_packages=system))
+    for runtime in runtime_packages(templates[2], monitors, parts):
+        system = _system_packages(runtime.answers["parts"])
+        packages.append(replace(runtime, answers={**runtime.answers, "system_packages": system}))
     return packages
 
 
-def _system_packages(parts: Iterable[str]) -> list[JsonValue]:
+def runtime_packages(
+    template: str, monitors: Mapping[str, Mapping[str, Any]], parts: Iterable[str] = ()
+) -> list[PackageAnswers]:
+    """Return the package of the runtime library, where a monitor needs one beside it."""
+    if runtime_of(monitors) != VENDORED:
+        return []
+    needed = {*parts}.union(*(answers["parts"] for answers in monitors.values()))
+    title = "Runtime library of the EDDI monitors"
+    answers = package_answers(template, RUNTIME_PACKAGE, title, monitors, parts=sorted(needed))
+    return [PackageAnswers(RUNTIME_PACKAGE, answers)]
+
+
+def _system_packages(parts: Any) -> list[JsonValue]:
     return [f"python3-{name}" for name in requirements_of(parts)]

@@ -12,7 +12,7 @@ import re
 from collections.abc import Collection, Iterable, Sequence
 from typing import NamedTuple
 
-WIDTH = 100
+WIDTH = 120
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,39}")
 _LONGEST_COMMENT = 70
 _SHORT = WIDTH - 25  # what fits a line wherever it stands
@@ -151,6 +151,10 @@ def _items(parts: Iterable[Part | Item]) -> tuple[Item, ...]:
 
 def _lines(item: Item, end: str, indent: int) -> list[str]:
     blanks = " " * indent
+    if isinstance(item.part, Group) and len(item.part.items) == 1 and not item.behind:
+        only = item.part.items[0]  # what is said of it is said of all
+        group = item.part._replace(items=(only._replace(behind=""),))
+        item = item._replace(part=group, behind=only.behind)
     above = [f"{blanks}# {item.above}"] if item.above else []
     behind = f"  # {item.behind}" if item.behind else ""
     flat = _flat(item.part)

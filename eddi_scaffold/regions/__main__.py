@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.util import module_from_spec, spec_from_file_location
@@ -68,9 +66,10 @@ def _sync(root: Path, stage: str = "", files: str = "{}", folder: str = "") -> i
         import json  # noqa: PLC0415 - as most packages have none
 
         place = Path(folder) if folder else None
-        missing = place_files(root, rendering, json.loads(files), place)
-        hint = "give its folder, as with `-d files_folder=FOLDER`"
-        _written(sys.stderr, (f"error: {name} is not there: {hint}" for name in missing))
+        missing = [*place_files(root, rendering, json.loads(files), place)]
+        hint = "give its folder, as with `-d files_folder=FOLDER`. Nothing was changed."
+        if _written(sys.stderr, (f"error: {name} is not there: {hint}" for name in missing)):
+            return 2
     return run(plan_sync(root, rendering))
 
 
@@ -79,15 +78,12 @@ def place_files(
 ) -> Iterator[str]:
     """Put files, known by SHA-256, of the package or a folder into a rendering; yield lost ones."""
     for name, digest in files.items():
-        place = folder / Path(name).name if folder is not None else None
-        for path in filter(None, [root / name, place] if package.is_relative(name) else []):
-            data = path.read_bytes() if path.is_file() and os.access(path, os.R_OK) else b""
-            if hashlib.sha256(data).hexdigest() == digest:
-                (rendering / name).parent.mkdir(parents=True, exist_ok=True)
-                (rendering / name).write_bytes(data)
-                break
-        else:
+        data = package.known_file(root, name, digest, folder)
+        if data is None:
             yield name
+        else:
+            (rendering / name).parent.mkdir(parents=True, exist_ok=True)
+            (rendering / name).write_bytes(data)
 
 
 def run(plan: Plan) -> int:

@@ -14,11 +14,12 @@ import re
 import stat
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from itertools import chain
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from .choosing import Body
-from .git import both_sides, former_lines
+from .git import both_sides, former_lines, former_versions
 from .marked_file import parse, sides_of
 from .markers import text_digest
 
@@ -132,6 +133,23 @@ def bytes_at(root: Path, name: str) -> bytes | None:
     """Return the bytes of a file of a package, ``None`` where there is none, or an obstacle."""
     is_there = obstacle(root, name) is None and stamp_of(root / name)
     return (root / name).read_bytes() if is_there else None
+
+
+def known_file(root: Path, name: str, digest: str, folder: Path | None = None) -> bytes | None:
+    """Return the bytes of a file that is known by its SHA-256, and that nothing renders.
+
+    It is taken from the package, from a folder, or from the history of git: a person may have
+    changed it, or a merge put there that of the other branch.
+    """
+    if not is_relative(name):
+        return None
+    places = [] if obstacle(root, name) else [root / name]
+    places += [] if folder is None else [folder / Path(name).name]
+    there = (path.read_bytes() for path in places if path.is_file() and os.access(path, os.R_OK))
+    for data in chain(there, former_versions(root, name)):
+        if hashlib.sha256(data).hexdigest() == digest:
+            return data
+    return None
 
 
 def read_file(root: Path, name: str) -> PackageFile | None:
@@ -319,6 +337,7 @@ def put_aside(root: Path, steps: Sequence[Step], place: Path) -> None:
     try:
         if any(step.data is not None for step in steps):
             place.mkdir(parents=True)  # fails where a link is in its place
+            (place / ".gitignore").write_bytes(b"*\n")
         for number, step in enumerate(steps):
             if step.data is not None:
                 write_file(place / str(number), step.data, step.mode)

@@ -119,6 +119,12 @@ def as_text(node: Node) -> str | None:
     return node.text if isinstance(node, Scalar) and not is_null(node) else None
 
 
+def text_of(node: Node | None, key: str) -> str | None:
+    """Return the text of a key of a map, ``None`` where there is none."""
+    value = node.get(key) if isinstance(node, Map) else None
+    return None if value is None else as_text(value)
+
+
 def as_number(node: Node) -> Number | None:
     """Return the number that a plain scalar is in YAML 1.2 (may be NaN).
 

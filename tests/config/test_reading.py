@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.file import ConfigFile, from_data
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.yaml_text.writer import dump_plain
@@ -71,21 +71,21 @@ def test_what_the_answers_remember_is_what_was_read(
         "EDDIInputs": [{"id": name, "default": default, "max_age": age} for name in ids],
     }
     file = read(dump_plain(data))
-    assert from_json(file.as_json(), "remembered").config == file.config
+    assert from_data(file.as_data(), "remembered").config == file.config
     assert isinstance(file.config, Config)
 
 
 @pytest.mark.parametrize(
-    "text", ["3", '"x"', "[]", "{}", '{"Model": {"id": "A", "type": "C"}, "event_files": [1]}']
+    "data", [3, "x", [], {}, {"Model": {"id": "A", "type": "C"}, "event_files": [1]}]
 )
-def test_a_damaged_memory_is_a_value_error(text: str) -> None:
+def test_a_damaged_memory_is_a_value_error(data: object) -> None:
     with pytest.raises(ValueError, match=r"."):
-        from_json(text, "what the package remembers")
+        from_data(data, "what the package remembers")
 
 
 def test_a_remembered_configuration_names_no_files_any_more() -> None:
     config = read("Model: {id: A, type: ConSert}\n")
-    again = from_json(config.as_json(), "what the package remembers")
+    again = from_data(config.as_data(), "what the package remembers")
     with pytest.raises(EddiError) as refused:
         again.read("safeml_config.yml")
     assert_reported("K033", refused.value.problems)

@@ -129,8 +129,8 @@ class DdsStage(Stage):
         super().__init__(folder, None)
         place = ("--platform", "dds", "-o", folder)
         self.package = generated(folder, "rover", *place, code=".", config=config)
-        shutil.rmtree(self.package / "eddi_runtime")
-        (self.package / "eddi_runtime").symlink_to(RUNTIME / "eddi_runtime")
+        shutil.rmtree(folder / "eddi_runtime")
+        (folder / "eddi_runtime").symlink_to(RUNTIME / "eddi_runtime")
         self.lock, self.domain = free_domain()
 
     def env(self, master=None, messages=None):

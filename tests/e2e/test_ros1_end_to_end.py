@@ -19,6 +19,7 @@ from tests.e2e import changes, figure46
 from tests.e2e.robot import STARTED, Run, clean_env, end
 from tests.e2e.workspace import Workspace
 from tests.interpreters import old_python
+from tests.quick_copier import copier_here
 from tests.ros1.world import PYTHON, until
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -88,10 +89,10 @@ def updated(clone, edited, built, folder):
     clone.eddi("answers", "-m", model, "-c", config, "-o", folder / "answers.yml")
     changes.release_second_version(clone)
     words = ("update", "--trust", "--defaults")
-    clone.copier(*words, "conserta", cwd=edited.packages)
+    assert copier_here(*words, "conserta", cwd=edited.packages).returncode == 0
     git(edited.path, "commit", "--quiet", "--all", "--message", "Update system A")
     data = ("--data-file", folder / "answers.yml")
-    clone.copier(*words, *data, "consertb", cwd=edited.packages)
+    assert copier_here(*words, *data, "consertb", cwd=edited.packages).returncode == 0
     no_rostest = "-DCMAKE_DISABLE_FIND_PACKAGE_rostest=TRUE"
     return edited, edited.catkin_make(no_rostest, "run_tests", "install")
 

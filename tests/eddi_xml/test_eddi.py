@@ -10,12 +10,10 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.eddi_xml import vocabulary
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.eddi_xml.parsing import Limits
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
-from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
-from tests.cli.command import ROOT
+from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold
 from tests.data_files import data_text
 from tests.eddi_xml.eddi_texts import ROVER, parsed, texts
 
@@ -24,30 +22,6 @@ def document(text: str) -> EddiDocument:
     found, problems = parsed(text)
     assert problems == []
     return found
-
-
-def test_every_name_that_readers_use_is_in_the_table() -> None:
-    for path in (ROOT / "eddi_scaffold").rglob("*.py"):
-        for name in re.findall(
-            r"\b(?:names|word|vocabulary)\.([A-Z_]+)\b", path.read_text("utf-8")
-        ):
-            assert hasattr(vocabulary, name), (path, name)
-
-
-@pytest.mark.parametrize(
-    ("uri", "key"),
-    [
-        ("http://www.deis-project.eu/ode/failureLogic", "failurelogic"),
-        ("http://www.deis-project.eu/ode/mergedODE/failureLogic", "failurelogic"),
-        ("http://omg.sacm/2.0/artifact", "artifact"),
-        ("failureLogic_", "failurelogic"),
-        ("allInOnePkg", "allinone"),
-        ("allInOne", "allinone"),
-        ("consent:_".rstrip(":_"), "consert"),
-    ],
-)
-def test_package_keys(uri: str, key: str) -> None:
-    assert package_key(uri) == key
 
 
 def test_classes_are_bound_without_prefix_and_case() -> None:
@@ -100,20 +74,6 @@ def test_a_package_of_an_unknown_class_is_named() -> None:
     (one,) = said("f:FailureLogicPakage", "f:FaultTree")
     assert one.startswith('4: warning X006 odeProductPackages "P" is of the unknown class')
     assert one.endswith("| did you mean 'FailureLogicPackage'?")
-
-
-@pytest.mark.parametrize(
-    ("text", "root", "segments"),
-    [
-        ("//@a.0/@b.3", 0, "/@a.0/@b.3"),
-        ("/@a.0", 0, "/@a.0"),
-        ("//@a/@b", 0, "/@a/@b"),
-        ("//@a.0/", 0, "/@a.0"),
-        ("/3/@a.0", 3, "/@a.0"),
-    ],
-)
-def test_fragments(text: str, root: int, segments: str) -> None:
-    assert parse_fragment(text) == Fragment(root, segments)
 
 
 @pytest.mark.parametrize(

@@ -63,11 +63,11 @@ def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:
     """As with `guarantee_ids: class`."""
     monitors, problems = monitors_of(MODELS / "landing.xml", [], "Landing")
     (made,) = assemble(monitors, platforms()["plain"], MODELS / "none", problems).packages
-    facts = from_json(made.answers["facts_json"])
+    facts = from_json(made.answers["facts"])
     classes = {element.id: element.claim or element.id for element in facts.elements}
     claims = tuple(replace(claim, id=classes[claim.id]) for claim in facts.claims)
     renamed = replace(facts, claims=claims).to_json()
-    rows = trace_of({**made.answers, "facts_json": renamed}).rows
+    rows = trace_of({**made.answers, "facts": renamed}).rows
     assert [row.links[0].through for row in rows if row.element == "guarantee"] == ["MotorFit"]
 
 

@@ -106,10 +106,11 @@ class DdsRobots(Robots):
             ip("-n", space, "link", "set", "lo", "up")
 
     def _package(self, name):
-        package = self.folder / name
-        shutil.rmtree(package / "eddi_runtime")
-        (package / "eddi_runtime").symlink_to(RUNTIME / "eddi_runtime")
-        return package
+        runtime = self.folder / "eddi_runtime"
+        if not runtime.is_symlink():
+            shutil.rmtree(runtime)
+            runtime.symlink_to(RUNTIME / "eddi_runtime")
+        return self.folder / name
 
     def _env(self, robot):
         (self.folder / f"{robot}.xml").write_text(

@@ -200,7 +200,7 @@ def test_json_of_run(name: str, frozen: Frozen, tmp_path: Path) -> None:
 def test_json_of_packages(command: str, frozen: Frozen) -> None:
     texts = {}
     for folder in sorted(path for pattern in PACKAGES for path in ROOT.glob(pattern)):
-        if (folder / ".copier-answers.yml").exists():
+        if (folder / ".copier-answers.yml").exists() and folder.name != "eddi_runtime":
             name = folder.relative_to(ROOT / "examples")
             texts[f"{command}/{name}"] = printed(folder.parent, command, folder.name)
     frozen.compare(command, texts)

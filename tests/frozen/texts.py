@@ -33,11 +33,8 @@ def compiled_text(answers: Mapping[str, Any]) -> str:
     This is the only function that may follow the product when it compiles in another place:
     ``test_texts_are_those_of_packages`` compares what it returns with the examples' packages.
     """
-    text = f"{answers['compiled']}\n"
-    if answers["template"] != "plain_monitor":
-        return text
-    own = text.replace("\nimport eddi_runtime\n", "\nfrom . import eddi_runtime\n")
-    return own.replace("\nfrom eddi_runtime", "\nfrom .eddi_runtime")
+    file = Path(answers["files_folder"], "compiled.py")
+    return file.read_text("utf-8").removeprefix("# fmt: off\n")
 
 
 def compiled(folder: Path, *words: object) -> Parts:
@@ -49,7 +46,7 @@ def compiled(folder: Path, *words: object) -> Parts:
     assert file.exists(), result
     answers = yaml.load(file.read_text("utf-8"), yaml.CSafeLoader)
     parts = parts_of(compiled_text(answers))
-    digest, computed = json.loads(answers["facts_json"])["digest"], computed_by(parts["body"])
+    digest, computed = json.loads(answers["facts"])["model"]["digest"], computed_by(parts["body"])
     assert _COMPUTED.setdefault(digest, computed) == computed, "two models have one digest"
     return parts
 

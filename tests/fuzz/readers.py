@@ -134,7 +134,7 @@ def _compiled(path: Path, configs: Sequence[Path], platform: str) -> Steps:
         made = assemble([one], platforms()[platform], path.parent / "packages", problems)
         yield
         for package in made.packages:
-            if "facts_json" in package.answers:
+            if "facts" in package.answers:
                 trace_of(package.answers)
         compiled(one)
         yield
@@ -375,7 +375,7 @@ def _answers(folder: Path) -> Made:
             for group in groups(None, [path.parent]):
                 targets(group, None, [])
                 for answers in group.present.values():
-                    if "facts_json" in answers:
+                    if "facts" in answers:
                         trace_of(answers)
         yield
 

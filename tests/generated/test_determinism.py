@@ -20,6 +20,7 @@ AUCKLAND = {
     "PYTHONHASHSEED": "4711",
     "COLUMNS": "40",
     "PYTHONUTF8": "0",
+    "EDDI_TESTS_COMPILED": "",  # rendered anew; see tests/quick_copier.py
 }
 
 

@@ -21,23 +21,30 @@ PLAIN = HERE / "tests" / "golden" / "plain"
 DDS = HERE / "tests" / "golden" / "dds"
 ROS2 = HERE / "tests" / "golden" / "ros2"
 MODELS = HERE / "tests" / "golden" / "models"
-RUNTIME = ("src/eddi_runtime/", "eddi_runtime/")
+RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 
 
 def snapshot(folder: Path) -> dict[str, tuple[bool, bytes]]:
     """Read one package as it is compared."""
-    files = {name: it for name, it in tree(folder).items() if not name.startswith(RUNTIME)}
+    files = {name: it for name, it in tree(folder).items() if not _is_copied(folder, name)}
     executable, manifest = files[".eddi/manifest"]
-    files[".eddi/manifest"] = (executable, _stable(manifest))
+    files[".eddi/manifest"] = (executable, _stable(folder, manifest))
     answers = files[".copier-answers.yml"]
     files[".copier-answers.yml"] = (answers[0], without_origin(answers[1]))
     return files
 
 
-def _stable(manifest: bytes) -> bytes:
+def _is_copied(folder: Path, name: str) -> bool:
+    """Return whether a file of a package is of the runtime library."""
+    file = name.removeprefix("src/").removeprefix("eddi_runtime/")
+    return folder.name == "eddi_runtime" and (RUNTIME / file).is_file()
+
+
+def _stable(folder: Path, manifest: bytes) -> bytes:
     """Drop the digest of the whole, which knows the origin, and those of the runtime's files."""
     lines = manifest.decode().splitlines(keepends=True)
-    kept = (line for line in lines if not line[17:].startswith(("*", *RUNTIME)))
+    names = ((line, line[17:].rstrip()) for line in lines)
+    kept = (line for line, name in names if name != "*" and not _is_copied(folder, name))
     return "".join(kept).encode()
 
 

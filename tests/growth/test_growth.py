@@ -25,7 +25,7 @@ FEWER = {"XDSL: nodes": 10, "BIF: variables": 10}
 """Where a thing is a lot of work: the order of inference is searched for it."""
 FEWER |= {"XDSL: children of one node": 40, "XDSL: states": 11, "Open-PSA: gates": 50}
 FEWER |= {"Open-PSA: uses of a parameter": 50}  # with fewer, what is constant grows
-FEWER |= {"deployment: robots that fulfil a demand": 4}  # a model for each
+FEWER |= {"deployment: robots that fulfil a demand": 3}  # a model for each
 MOST = 1.25
 """How much faster than the input the work may grow; with a square it is twice as fast."""
 _READERS: dict[str, Reader] = {}

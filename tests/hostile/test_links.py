@@ -100,10 +100,10 @@ def test_what_is_a_persons_own_stays(package: Path, limited: None) -> None:
 @pytest.mark.parametrize(
     "names",
     [
-        (INPUT, "ConSertB.yml", "EDDIMonitor.py", "test", "eddi_runtime"),
+        (INPUT, "ConSertB.yml", "EDDIMonitor.py", "test"),
         (".eddi",),
         (".eddi/manifest",),
-        (".eddi/.gitignore", ".eddi/kept"),
+        (".eddi/kept",),
         (".copier-answers.yml",),
     ],
 )

@@ -81,7 +81,7 @@ def test_facts_are_read_as_they_are_written() -> None:
 
 @pytest.mark.parametrize("text", ["", "{}", "[" * 10**5, None, '{"format": 1, "kind": 3}'])
 def test_damaged_facts_are_refused(text: str | None) -> None:
-    with pytest.raises(ValueError, match="acts"):
+    with pytest.raises(ValueError, match=r"acts|recursion limit"):
         from_json(text)
 
 
@@ -142,7 +142,7 @@ def test_another_unit_asks_for_a_look_and_stands_in_the_comment() -> None:
         shared_answers(sound(f"requires: [lidar], unit: {unit}"), "x", {})["inputs"][0]
         for unit in ("m", "km")
     )
-    assert metric["region_begin"] != road["region_begin"]
+    assert metric["region"] != road["region"]
     (comment,) = metric["comments"]
     assert road["comments"] == [comment.replace("in m,", "in km (converted to m),")]
 
@@ -162,4 +162,5 @@ def test_a_text_with_marks_of_regions_does_not_travel(
     (model,) = read_models(Source("s.events", events.encode())).models
     monitor, problems = monitor_of(model, None)
     assert monitor is not None, problems
-    assert files_of(monitor) == files
+    assert files_of(monitor).keys() == {*files, "compiled.py"}
+    assert files_of(monitor).items() >= files.items()

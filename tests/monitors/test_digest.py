@@ -42,7 +42,7 @@ def compiled(folder: Path) -> tuple[str, str] | None:
     if result.status == REFUSED:
         return None
     answers = yaml.load((folder / "answers.yml").read_text("utf-8"), yaml.CSafeLoader)
-    digest = json.loads(answers["facts_json"])["digest"]
+    digest = json.loads(answers["facts"])["model"]["digest"]
     return digest, computed_by(parts_of(compiled_text(answers))["body"])
 
 

@@ -8,7 +8,7 @@ from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.config.file import from_json
+from eddi_scaffold.config.file import from_data
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
@@ -134,11 +134,11 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
     monitor = sound(from_file(tmp_path, "\n    event: cool"))
     assert monitor.config is not None
     (tmp_path / "safety.events").unlink()
-    again = from_json(monitor.config.as_json(), "the configuration that rover remembers")
+    again = from_data(monitor.config.as_data(), "the configuration that rover remembers")
     other, problems = monitor_of(monitor.model, again)
     assert other is not None, problems
     assert other.compiled.text == monitor.compiled.text
-    assert again.as_json() == monitor.config.as_json()
+    assert again.as_data() == monitor.config.as_data()
 
 
 HOT = "EVENT hot (HAZARD) := "
@@ -277,3 +277,10 @@ def test_a_var_that_contradicts_the_message_is_an_error() -> None:
         declared = f'declarations: ["VAR battery.percentage : NUMBER {said} TIMEOUT 1s"]\n'
         _, problems = joined(config("expression: battery.percentage > 0.2", more=declared))
         assert [one.code for one in problems if one.level == "error"] == codes
+
+
+def test_percent_is_a_unit_of_numbers() -> None:
+    for text in ("battery.percentage > 20 %", "battery.percentage > 20% AND TRUE"):
+        assert joined(config(f'expression: "{text}"'))[1] == []
+    _, problems = joined(config('expression: "battery.percentage % 2 > 1"'))
+    assert "E001" in {problem.code for problem in problems}

@@ -16,11 +16,11 @@ ANSWERS = "ws/src/eddi_monitor/consertb/.copier-answers.yml"
 GENERATE = ("generate", "-w", "ws", "-m", "two_conserts.xml", "-c")
 DAMAGE = {
     "no inputs": (r"^inputs:", "inputz:"),
-    "an input without topics": (r"^  sources: .*", "  topics: x"),
+    "an input without topics": (r", sources: ", ", topics: "),
     "an unknown kind": (r"^kind: .*", "kind: nonsense"),
-    "a list for a text": (r"^  title: .*", "  title: [1]"),
+    "a list for a text": (r" title: \w+,", " title: [1],"),
     "a model without id": (r'"id": "ConSertB"', '"name": 3'),
-    "a configuration that is none": (r"^config_json: .*(\n  .*)*", "config_json: '3'"),
+    "a configuration that is none": (r"^config:(\n  .*)*", "config: '3'"),
     "no file of the model": (r"^model_file: .*\n", ""),
 }
 

@@ -60,7 +60,7 @@ CHANGES: dict[str, Callable[[Path], object]] = {
     "a generated file was edited": lambda p: (p / "setup.py").write_text("# mine\n"),
     "an editable file is gone": lambda p: (p / "src/conserta/EDDIInput.py").unlink(),
     "the record of files is gone": lambda p: (p / ".eddi/manifest").unlink(),
-    "its answers were edited": lambda p: edit(p / ".copier-answers.yml", "'10.0'", "'20.0'"),
+    "its answers were edited": lambda p: edit(p / ".copier-answers.yml", " 0.1.0", " 9.1.0"),
     "a program cannot be run": lambda p: (p / "scripts/RosNode.py").chmod(0o644),
 }
 

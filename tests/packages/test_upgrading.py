@@ -32,7 +32,7 @@ def test_a_file_with_one_of_the_models_leaves_the_others_alone(tmp_path: Path) -
     newer.write_text(EXAMPLE.read_text().replace('name="ConSertB"', 'name="Other"'))
     (group,) = groups(folder, [])
     packages, problems = targets(group, newer, [])
-    files = {package.folder: package.answers["model_file"] for package in packages}
+    files = {p.folder: p.answers["model_file"] for p in packages if "facts" in p.answers}
     assert files == {"conserta": "newer.xml", "consertb": "two_conserts.xml"}
     assert [p.code for p in problems if p.level != "info"] == []
 
@@ -43,7 +43,7 @@ def test_the_marks_of_the_first_reading_are_remembered(tmp_path: Path) -> None:
     folder = tmp_path / "packages"
     generated(folder, model, ("Safe",))
     (group,) = groups(folder, [])
-    (package,), _ = targets(group, model, [])
+    (package, _), _ = targets(group, model, [])
     assert package.answers["default_guarantees"] == ["Safe"]
-    facts = from_json(package.answers["facts_json"])
+    facts = from_json(package.answers["facts"])
     assert [claim.rests_on for claim in facts.claims if claim.id == "Safe"] == [frozenset()]

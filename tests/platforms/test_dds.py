@@ -100,6 +100,6 @@ def test_a_hand_edit_and_the_order_of_fields_survive_an_upgrade(tmp_path: Path) 
     assert code.read_text("utf-8") == mine
     order = "'my_msgs/Part': 'float64 value, bool last, int32 first'"
     assert order in (tmp_path / "rover" / "messages.py").read_text("utf-8")
-    transports = {path.name for path in (tmp_path / "rover/eddi_runtime/transports").iterdir()}
+    transports = {path.name for path in (tmp_path / "eddi_runtime/transports").iterdir()}
     assert transports == {"__init__.py", "dds"}
     assert run("status", "rover", cwd=tmp_path).status == 0

@@ -62,9 +62,10 @@ def test_the_next_monitor_finds_a_node_of_ours(system: str, tmp_path: Path) -> N
 def test_a_node_that_an_earlier_release_made_is_left_out() -> None:
     """It has no model yet that a system could refer to."""
     topic = {"topic": "a/out", "type": "std_msgs/msg/Bool"}
-    part = {"section": "publishers", "topics": [topic]}
-    assert nodes_of({"old": {}, "a": {"interfaces": [part]}}) == [
-        {"name": "a", "interfaces": [{"direction": "pub", "topic": "a/out"}]}
+    part = {"section": "publishers", "direction": "pub", "topics": [topic]}
+    row = "pub a/out std_msgs/msg/Bool"
+    assert nodes_of({"old": {}, "a": {"interfaces": [row]}}) == [
+        {"name": "a", "interfaces": [part]}
     ]
 
 

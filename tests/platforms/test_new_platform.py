@@ -79,7 +79,7 @@ def test_it_lives_beside_ros1_as_the_others_do(tmp_path: Path) -> None:
     assert "consertb" not in manifest
 
     code = "from consertb.node import step; print(step({}))"
-    answer = run([sys.executable, "-B", "-c", code], packages, {"PYTHONPATH": ""}).stdout
+    answer = run([sys.executable, "-B", "-c", code], packages, {"PYTHONPATH": str(robot)}).stdout
     assert answer.startswith("([{'id': 'System_A_G0_c2', 'active': False}"), answer
     assert "missing" in answer
 

@@ -3,7 +3,7 @@
 import pytest
 
 from eddi_scaffold.kinds.consert import MESSAGES
-from tests.ros1 import models
+from runtime_lib.tests.conserts import consert
 from tests.ros1.world import World, demand, make_messages, why_no_ros
 
 
@@ -44,10 +44,25 @@ def world(messages, tmp_path):
     world.destroy()
 
 
+def reads(topic, max_age=None):
+    return {"requires": [topic], "max_age": max_age}
+
+
+def tester(max_age):
+    """Return the tester's model with an age limit of the input F."""
+    specs = {"E": reads("how"), "F": reads("flag", max_age)}
+    edges = ["E>G_E", "F>G_F"]
+    return consert(["E", "F"], guarantees=["G_E", "G_F"], edges=edges, specs=specs, name="Tester")
+
+
 @pytest.fixture(scope="session")
 def model_files(tmp_path_factory):
-    """Model files by package name."""
+    """Models of the tester by name; `wide` has outputs of 60 kB."""
+    ids = [f"G{number}_{'x' * 1000}" for number in range(60)]
+    edges = [f"F>{name}" for name in ids]
+    wide = consert(["F"], guarantees=ids, edges=edges, specs={"F": reads("flag")}, name="Wide")
     folder = tmp_path_factory.mktemp("models")
-    for name, model in models.MODELS.items():
+    models = {"wide": wide, "tester": tester(None), "tester_half": tester(0.5)}
+    for name, model in models.items():
         (folder / f"{name}.py").write_text(model.text())
     return {path.stem: path for path in folder.iterdir()}

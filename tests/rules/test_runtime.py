@@ -87,7 +87,7 @@ def test_runtime_tests_pass_on_python_3_8(old_pytest: Path) -> None:
 def test_packages_do_the_same_on_python_3_8(old_pytest: Path, tmp_path: Path) -> None:
     for package in PLAIN_PACKAGES:
         shutil.copytree(package, tmp_path / package.name)
-        shutil.copytree(RUNTIME, tmp_path / package.name / "eddi_runtime")
+    shutil.copytree(RUNTIME, tmp_path / "eddi_runtime")
     script = HERE / "tests" / "rules" / "replayed.py"
     here, there = (
         json.loads(run([str(python), str(script), str(tmp_path)], HERE, {"PYTHONPATH": ""}).stdout)

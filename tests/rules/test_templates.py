@@ -35,13 +35,17 @@ FILTERS = {
     "replace",  # of the imports in compiled.py, where the runtime is a part of the package
     "tojson",  # a TOML list of strings is one of JSON
 }
-LOOPS = {"item": "messages", "module": "modules", "alias": "aliases"}
+LOOPS = {"item": "messages", "module": "modules", "alias": "aliases", "node": "nodes"}
 """Name -> the list of which a file name takes one after the other."""
 LOGIC = (
     nodes.Assign, nodes.AssignBlock, nodes.BinExpr, nodes.Call, nodes.CallBlock, nodes.Concat,
     nodes.CondExpr, nodes.Dict, nodes.FilterBlock, nodes.List, nodes.Macro, nodes.Test,
 )  # fmt: skip
-PER_FILE = {"alias_module.py.jinja": "alias", "editable_module.py.jinja": "module"}
+PER_FILE = {
+    "alias_module.py.jinja": "alias",
+    "editable_module.py.jinja": "module",
+    "mros_monitor.jinja": "node",
+}
 """Included by files that a loop names, which give it that variable."""
 ANSWERS_FILE = "{{_copier_conf.answers_file}}.jinja"
 ids = pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(TEMPLATES)))
@@ -101,8 +105,8 @@ def test_a_template_sees_answers_and_holds_no_logic(path: Path) -> None:
 def test_what_a_file_shows_is_checked() -> None:
     asked = [item for path in (*SHARED, *OWN) for item in asked_in(path).items()]
     free = {name for name, question in asked if not {"validator", "choices"} & {*question}}
-    only_ours = {"config_json", "default_guarantees", "files"}
-    assert free == {*only_ours, "compiled"}, "an answers file holds code: that of a monitor"
+    only_ours = {"config", "default_guarantees", "files", "interfaces"}
+    assert free == only_ours
     seen = [
         meta.find_undeclared_variables(environment().parse(p.read_text("utf-8"))) for p in FILES
     ]
@@ -168,4 +172,4 @@ def test_copier_writes_over_nothing_of_a_person() -> None:
         for path in {path for path in template.rglob("*") if not path.is_dir()} - own:
             place = path.relative_to(template)
             waits = place.parts[:3] == (".eddi", "new", "{{ stage }}")
-            assert waits or place.as_posix() == ".eddi/.gitignore.jinja", path
+            assert waits or place.as_posix() == ".eddi/new/.gitignore.jinja", path

@@ -20,7 +20,7 @@ _CHANGES = {
     f"{_STAGE}/launch/eddi_monitor.launch.jinja": (
         ('output="screen"\n', 'output="screen" required="false"\n'),
     ),
-    f"{_STAGE}/CMakeLists.txt.jinja": (("config launch\n", "config launch test\n"),),
+    f"{_STAGE}/CMakeLists.txt.jinja": (("config launch ", "config launch test "),),
     f"{_STAGE}/package.xml.jinja": (
         (
             "  <exec_depend>rospy</exec_depend>\n",

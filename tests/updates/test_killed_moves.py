@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.regions.package import ANSWERS, EDDI, KEPT, MANIFEST
+from eddi_scaffold.regions.package import ANSWERS, KEPT, MANIFEST
 from eddi_scaffold.regions.sync import plan_sync
 
-IGNORED = f"{EDDI}/.gitignore"
-RECORDS: dict[str, bytes | None] = {ANSWERS: b"template: t\n", IGNORED: b"/new/\n"}
+RECORDS: dict[str, bytes | None] = {ANSWERS: b"template: t\n"}
 GONE: dict[str, bytes | None] = dict.fromkeys(RECORDS)
 
 
@@ -93,9 +92,9 @@ def test_a_region_moves_to_another_file(tmp_path: Path, then: dict[str, list[str
 def test_a_package_leaves(tmp_path: Path) -> None:
     first = rendering(tmp_path / "first", {"a.cfg": ["x"], "src/b.cfg": ["y"]})
     nothing = rendering(tmp_path / "nothing", {})
-    for after in range(6):
+    for after in range(5):
         package = begun(tmp_path / str(after), first)
-        assert killed(package, nothing, after, GONE) == 6
+        assert killed(package, nothing, after, GONE) == 5
         # nobody takes it for one whose answers were lost
         assert (package / ANSWERS).exists() or not (package / MANIFEST).exists()
         finish(package, nothing, GONE)

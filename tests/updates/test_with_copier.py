@@ -65,7 +65,10 @@ class OnlyCopier:
             config.write_text(_NETWORK)
         monitors, problems = monitors_of(model, [config])
         packages = assemble(monitors, chosen(self.platform), folder / "none", problems).packages
-        return dict(next(one for one in packages if "facts_json" in one.answers).answers)
+        package = next(one for one in packages if "facts" in one.answers)
+        for name, data in package.files.items():
+            (folder / Path(name).name).write_bytes(data)
+        return {**package.answers, "files_folder": str(folder)}
 
     def rendering(self) -> Mapping[str, str]:
         key = (self.inputs, self.states, self.template)

@@ -41,6 +41,7 @@ STRAIGHT_LINE_LIMIT = 20_000
 tables does the same, 10 times slower: Python compiles such a text in seconds and with gigabytes.
 """
 
+_LEGEND = "# 0 BAD, 1 UNKNOWN, 2 GOOD. AND takes the least, OR the greatest. Active means GOOD.\n"
 _RESERVED = {"float", "getattr", "int", "raw", "self", "source", "str", "t_ns", "type", "values"}
 _RESERVED |= {"INF"}
 
@@ -105,7 +106,7 @@ class _Compilation:
         if size <= limit:
             lines += ["", *self._step(program, elements)]
         program = inlined(program, self.declaration.inputs)
-        return CompiledMonitor(FORMAT, lines, MODULES, program=program)
+        return CompiledMonitor(FORMAT, lines, MODULES, program=program, legend=_LEGEND)
 
     def _about(self, name: str) -> str:
         path = self.paths[name]

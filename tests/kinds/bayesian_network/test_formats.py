@@ -12,6 +12,7 @@ from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.read_xml_formats import NoisyMaxError, noisy_max_table
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.packages.upgrading import rejoined
+from tests.data_files import data_text
 from tests.kinds.bayesian_network.networks import read
 
 TWO = '<state id="y"/><state id="n"/>'
@@ -148,13 +149,7 @@ def test_without_states_that_is_the_only_complaint() -> None:
     assert [problem.code for problem in reading.problems] == ["B101"]
 
 
-START = """\
-network "Dog Problem" { // as JavaBayes writes it
-  property "credal-set constant-density-bounded 1.1" ;
-}
-variable A { type discrete[2] { "y" "n" }; property position = (73, 165) ; }
-variable B { /* three */ type discrete [ 3 ] { <5, 5-12, 12+ }; }
-"""
+START = data_text("networks/dogs_start.bif")
 BIF = START + "probability ( A ) { table 0.25, 0.75; }\n"
 ROW = (0.5, 0.25, 0.25)
 ROWS = (*ROW, 0.125, 0.0, 0.875)

@@ -14,6 +14,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
 from eddi_scaffold.platforms.ros_packages import messages_of
+from tests.data_files import data_text
 from tests.kinds.bayesian_network.networks import joined, of_states, read, read_path, running
 from tests.kinds.bayesian_network.test_network import EXAMPLE
 
@@ -149,19 +150,11 @@ def test_any_evidence_gives_a_monitor_or_problems(
     assert claim.low <= claim.high
 
 
-CHAIN = """<smile version="1.0" id="N"><nodes>
-<cpt id="A"><state id="y"/><state id="n"/><probabilities>0.5 0.5</probabilities></cpt>
-<cpt id="B"><state id="y"/><state id="n"/><probabilities>0.5 0.5</probabilities></cpt>
-<cpt id="C"><state id="y"/><state id="n"/><parents>A B</parents>
-<probabilities>1 0 0.5 0.5 0.5 0.5 0 1</probabilities></cpt>
-</nodes></smile>"""
-
-
 @pytest.mark.parametrize(("inputs", "told"), [(["A"], ["A"]), (["A", "C"], [])])
 def test_a_common_child_connects_only_when_it_is_observed(
     inputs: list[str], told: list[str]
 ) -> None:
-    (model,) = read(CHAIN, "n.xdsl").models
+    (model,) = read(data_text("networks/common_child.xdsl"), "n.xdsl").models
     _, problems = joined(model, of_states(["B"], inputs))
     found = [problem.message for problem in problems if problem.code == "B305"]
     assert found == [f"the observed node {name!r} cannot influence any output" for name in told]
@@ -215,7 +208,7 @@ def test_every_message_beside_a_result_has_a_method_and_a_definition(tmp_path: P
     monitor = pedestrian(tmp_path, f"{LOW}, {MORE}")
     machine = running(monitor)
     machine.execute_step(SimpleNamespace(), 0)
-    texts = messages_of({"net": {"kind": "bayesian_network", "config_json": None}})
+    texts = messages_of({"net": {"kind": "bayesian_network", "config": None}})
     for name, message in monitor.model.companion_messages().items():
         tree = getattr(machine, f"{name}_message")()
         assert tree[0] == message

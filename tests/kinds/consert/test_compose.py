@@ -25,6 +25,7 @@ from eddi_scaffold.kinds.consert.consert import (
 )
 from eddi_scaffold.kinds.consert.ranges import Interval, exact, is_inside
 from tests.cli.command import run
+from tests.data_files import data_text
 from tests.diagnosed import assert_reported
 
 
@@ -163,22 +164,11 @@ def test_inclusion_is_that_of_the_numbers(inner, outer):
     assert is_inside(inner, outer) == expected
 
 
-FALLBACK = """\
-guarantees:
-  - {id: Stop, dimensions: [Binary: {type: Standing}]}
-demands: []
-evidence: []
-gates: []
-tree_propagations: []
-required_services: []
-provided_services: [{id: S, functional_service_type: Moving, guarantees: [Stop]}]
-"""
-
-
 @pytest.mark.parametrize("name", ["", "c="])
 def test_a_mark_counts_for_the_file_that_has_it(tmp_path: Path, name: str) -> None:
-    for file, text in (("A", FALLBACK), ("B", FALLBACK.replace("Stop", "Wait"))):
-        (tmp_path / f"{file}.yml").write_text(text)
+    text = data_text("conserts/fallback.yml")
+    (tmp_path / "A.yml").write_text(text)
+    (tmp_path / "B.yml").write_text(text.replace("Stop", "Wait"))
     marks = ("--default-guarantee", "Stop", "--default-guarantee", "B/Wait")
     found = run("compose", f"{name}A.yml", "B.yml", *marks, cwd=tmp_path)
     assert (found.status, found.out.splitlines()[0]) == (0, "composable"), found.err

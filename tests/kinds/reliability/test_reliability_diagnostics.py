@@ -15,19 +15,14 @@ from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
+from tests.data_files import data_text
 from tests.diagnosed import Cases
 from tests.kinds.reliability.monitors import everything, models_of
 from tests.kinds.reliability.test_reliability_example import EXAMPLE
 
 CASES = Cases(Path(__file__).with_name("diagnostics.txt"))
 PACKAGE = "//@odeProductPackages.0/@failureModels"
-HEAD = """<?xml version="1.0" encoding="UTF-8"?>
-<i:DDIPackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
- xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
- xmlns:f="http://www.deis-project.eu/ode/failureLogic"
- xmlns:i="http://www.deis-project.eu/ode/integration">
-<odeProductPackages xsi:type="f:FailureLogicPackage">
-"""
+HEAD = data_text("reliability/head.xml")
 
 
 def of_eddi(given: str, folder: Path) -> list[Problem]:
@@ -96,17 +91,9 @@ def test_an_input_that_nobody_provides_in_words_of_this_kind(tmp_path: Path) -> 
     assert "p_fail is the worst case of it, and not valid" in one
 
 
-TREE = """<failureModels xsi:type="f:FaultTree" name="T">
-<failures name="out" originType="Output"/>
-<causes xsi:type="f:Gate" name="Top" failure="$.0/@failures.0" causes="$.0/@causes.1"/>
-<causes xsi:type="f:Gate" name="Port" gateType="InputEvent"/></failureModels>
-"""
-
-
 def test_no_threshold_trusts_a_tree_with_an_open_port(tmp_path: Path) -> None:
     path = tmp_path / "model.xml"
-    body = TREE.replace("$", PACKAGE)
-    path.write_text(HEAD + body + "</odeProductPackages></i:DDIPackage>\n", "utf-8")
+    path.write_text(data_text("reliability/open_port.xml"))
     models, problems = models_of(path)
     assert [(one.level, one.code) for one in problems] == [("warning", "X014")]
     assert models["T"].configure(Options())[0] is not None

@@ -41,7 +41,7 @@ def test_the_violation_is_spelt_as_the_document_has_it_where_asked(tmp_path: Pat
         monitor, problems = joined(tmp_path, ROWS, config, **FIGURE)
         assert problems == []
         assert monitor.config is not None
-        answers = {"kind": "safeml", "config_json": monitor.config.as_json()}
+        answers = {"kind": "safeml", "config": monitor.config.as_data()}
         texts[config] = messages_of({"scope": answers})["SafeMLOutput"]
     assert "bool odd_violation\n" in texts[CONNECTED]
     assert "bool oddViolation\n" in texts[asked]

@@ -3,7 +3,6 @@
 from .bayesian_network_config import BayesianNetworkConfig
 from .compiled import Monitor
 
-
 class EDDIMonitor:
     """Run the model; `monitor` offers more than a step: why(), faults() and mostly explain()."""
 
@@ -11,8 +10,5 @@ class EDDIMonitor:
         self.monitor = Monitor(BayesianNetworkConfig())
 
     def execute_step(self, eddi_input, t_ns=None):
-        """Evaluate the model once with the attributes of `eddi_input`; never raises.
-
-        `t_ns`: int, nanoseconds: the time of the step, by default that of the monotonic clock.
-        """
+        """Evaluate the model once with these inputs; never raises. `t_ns`: time in ns, by default monotonic."""
         return self.monitor.execute_step(eddi_input, t_ns)

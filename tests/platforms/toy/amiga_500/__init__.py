@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.monitors.answers import identity_answers, shared_answers
+from eddi_scaffold.monitors.answers import files_of, identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.platforms import PackageAnswers, Platform, Templates, Workspace
 
@@ -14,8 +14,9 @@ _TEMPLATES = Templates("robot", ("fleet",))
 
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
-    answers = shared_answers(monitor, _TEMPLATES.monitor, {}) | {"colour": "red"}
-    return PackageAnswers(monitor.package, answers), []
+    files = files_of(monitor)
+    answers = shared_answers(monitor, _TEMPLATES.monitor, files) | {"colour": "red"}
+    return PackageAnswers(monitor.package, answers, files), []
 
 
 def _support(monitors: Sequence[str]) -> list[PackageAnswers]:

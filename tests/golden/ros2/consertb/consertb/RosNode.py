@@ -20,10 +20,8 @@ with reported('consertb'):
 # -----Manual edit begin-----  # region: RosNode.module of:e3b0c442
 # -----Manual edit end-----  # region: RosNode.module
 
-
 class RosNode(MonitorNode):
     """Subscribe to the evidence, run one monitor step per period, publish the result."""
-
     NAME = 'consertb'
     FREQUENCY = 10.0
     MODE = 'rate'
@@ -32,13 +30,8 @@ class RosNode(MonitorNode):
         Input('RtE_E0', '/rte/e0b', Bool),
     )
     OUTPUTS = (
-        Output(
-            'consertb',
-            'consertb/guarantees',
-            eddi_messages.msg.ConSertOutput,
-            'consertb/guarantees/status',
-            eddi_messages.msg.ConSertStatus,
-        ),
+        Output('consertb', 'consertb/guarantees', eddi_messages.msg.ConSertOutput,
+               'consertb/guarantees/status', eddi_messages.msg.ConSertStatus,),
     )
     MESSAGES = eddi_messages.msg
 
