@@ -22,6 +22,7 @@ ALWAYS = {"inputs", "monitor", "node", "plain_values", "why"}
 ALWAYS |= {"__init__", "__pycache__", "py", "ros1", "transports"}
 """What of the runtime is always there."""
 OWN = {"ConSertOutput", "ConSertStatus", "Guarantee", "GuaranteeStatus"}
+OWN |= {"Cause", "ClaimWhy", "Why"}
 
 
 def generate(place: Path, example: str, model: str, config: str) -> None:
