@@ -218,7 +218,7 @@ for _ in range(20):
     for one in threads: one.start()
     asked.wait()
     graph.close()
-    assert (graph.publications(), graph.listening("/a")) == ([], (False, False, ""))
+    assert (graph.publications(), graph.listening("/a")) == ([], (False, False, None))
     write(None)
     ended.set()
     for one in threads: one.join()

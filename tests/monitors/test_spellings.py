@@ -57,11 +57,11 @@ def test_the_monitors_of_a_robot_stand_in_one_file(tmp_path):
     assert checked(tmp_path).status == 0
     done = run("generate", "-o", "out", "--platform", "plain", "-c", "robot.yml", cwd=tmp_path)
     assert done.status == 0
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"cart", "fleet"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"cart", "eddi_runtime", "fleet"}
     words = ("-o", "one", "--platform", "plain", "-c", "robot.yml", "--name", "fleet")
     done = run("generate", *words, cwd=tmp_path)
     assert (done.status, done.err.count("[")) == (0, 0)  # its publisher is in the same file
-    assert [path.name for path in (tmp_path / "one").iterdir()] == ["fleet"]
+    assert {path.name for path in (tmp_path / "one").iterdir()} == {"eddi_runtime", "fleet"}
     assert "fleet" in run("generate", *words[:-1], "flet", cwd=tmp_path).err
 
 
