@@ -1,4 +1,4 @@
-"""The sentence, and the message that carries it; situations of the oracle: ``tests/runtime``."""
+"""The sentence, and the message that carries it."""
 
 import math
 from types import SimpleNamespace

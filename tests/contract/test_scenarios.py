@@ -180,6 +180,7 @@ def test_the_time_of_a_simulation_and_a_clock_that_jumps(stage):
     name = "/robot1/rover"
     mark, node = stage.ear.mark(), stage.start_simulated("/robot1")
     stage.feed(stage.source, "/robot1/in/steady", BOOL, True, hz=20)
+    until(lambda: "nothing has come on /clock" in node.text, what=f"a warning: {node.text}")
 
     def run(seconds):
         """Let time pass, half as fast as it does, until all of the window is known."""

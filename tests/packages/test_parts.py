@@ -18,10 +18,11 @@ from tests.cli.command import run
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 RUNTIME = ROOT / "runtime_lib" / "src" / "eddi_runtime"
-ALWAYS = {"inputs", "monitor", "node", "plain_values"}
+ALWAYS = {"inputs", "monitor", "node", "plain_values", "why"}
 ALWAYS |= {"__init__", "__pycache__", "py", "ros1", "transports"}
 """What of the runtime is always there."""
 OWN = {"ConSertOutput", "ConSertStatus", "Guarantee", "GuaranteeStatus"}
+OWN |= {"Cause", "ClaimWhy", "Why"}
 
 
 def generate(place: Path, example: str, model: str, config: str) -> None:

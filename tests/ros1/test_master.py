@@ -149,39 +149,6 @@ def test_a_type_that_the_master_keeps_is_no_reason_once_a_right_message_came(
     assert node.end()[0] == 0
 
 
-def test_simulated_time(world, model_files):
-    """Rows 10 and 11: without /clock the node runs and evidence ages; a jump back is one line."""
-    master = world.master()
-    master.call("setParam", "/use_sim_time", True)
-    probe = world.probe(master)
-    for topic, kind in (("/guarantees", OUT), ("/diagnostics", "diagnostic_msgs/DiagnosticArray")):
-        probe.subscribe(topic, kind)
-    node = world.node(master, "tester", f"compiled:={model_files['tester_half']}")
-    probe.publish("/flag", BOOL, {"data": True}, connected=True)
-    probe.active("/guarantees", {"G_F"}, after=0)
-    mark = probe.mark()
-    probe.active("/guarantees", set(), after=mark)  # the limit of 0.5 s is real time
-    event = probe.wait(lambda e: e.get("topic") == "/diagnostics", after=mark)
-    assert abs(event["data"]["header"]["stamp"] - time.time()) < 60.0
-
-    for second in (100, 101, 50):
-        seen = probe.mark()
-        clock = {"clock": {"secs": second, "nsecs": 0}}
-        probe.publish("/clock", "rosgraph_msgs/Clock", clock, latch=True)
-        probe.wait(
-            lambda e, at=second: (
-                e.get("topic") == "/diagnostics" and e["data"]["header"]["stamp"] == at
-            ),
-            after=seen,
-        )
-    mark = probe.mark()
-    probe.publish("/flag", BOOL, {"data": True})
-    probe.active("/guarantees", {"G_F"}, after=mark)
-    assert node.end()[0] == 0
-    assert node.text.count("/clock jumped back by 51.000 s") == 1
-    assert node.text.count("nothing has come on /clock") == 1
-
-
 def test_one_name_for_two_nodes(world, master, probe, model_files):
     """Row 12: the second refuses to start; who loses its name all the same says so."""
     model = f"compiled:={model_files['tester']}"
