@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
+import re
 from pathlib import Path
 from textwrap import fill
 from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.console import ExitStatus, console
+from eddi_scaffold.cli.options import Files
+from eddi_scaffold.cli.run import recorded
 from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
 
 
@@ -63,20 +68,69 @@ def _examples() -> Path:
     return checkout if checkout.is_dir() else package / "_examples"
 
 
-def explain(code: str, *, as_json: bool = False) -> None:
-    """Say what a problem means, and what to do.
+_CODE = re.compile(r"[A-Za-z][0-9]{3}")
 
-    Example: eddi-scaffold explain K007
+
+def explain(
+    name: str,
+    files: Files = None,
+    bag: Path | None = None,
+    at: float = math.inf,
+    config: list[Path] | None = None,
+    workspace: Path | None = None,
+    no_code: bool = False,
+    as_json: bool = False,
+) -> None:
+    """Say why a claim does not hold, or what a problem means.
+
+    Ends with status 0 when the claim holds, 1 when it does not, 2 when nobody tells.
+
+    Example: eddi-scaffold explain FullSpeed robot.yml --bag shift.bag --at 12.7
 
     Args:
-        code: Code of a problem, such as K007.
+        name: A claim, as ID or MONITOR.ID, or the code of a problem, such as K007.
+        files: What `run` plays: models, configurations, a deployment.yml, folders of packages.
+        bag: ROS 1 or 2 bag with the topics of the configurations.
+        at: Seconds from its first message, as `run` prints them; by default its end.
+        workspace: Workspace or output folder: its packages run.
+        no_code: Leave out the code of packages.
     """
+    if _CODE.fullmatch(name) or not (bag or files or workspace):
+        _explain_code(name, as_json=as_json)
+        return
+    from eddi_runtime.why import TRUE, ClaimWhy, clean
+
+    from eddi_scaffold.recordings.playing import play, played
+    from eddi_scaffold.recordings.results import sentence, told
+
+    options = {"--config": config or [], "--name": None, "--default-guarantee": ()}
+    options |= {"--system": None, "--models": None}
+    members, recording = recorded(files or [], None, bag, workspace, options, code=not no_code)
+    last: dict[str, tuple[float, ClaimWhy]] = {}
+    for monitor, t, why in told(play(played(members), recording), name):
+        if t > at + 1e-9 and last:
+            break
+        last[monitor] = (t, why)
+    for monitor, (t, why) in last.items():
+        if as_json:
+            row = {"t": t, "monitor": monitor, "claim": why.id, **why.as_json()}
+            console.data(json.dumps(row))
+            continue
+        console.data(f"{f'{monitor}: ' if monitor else ''}{sentence(why)}")
+        for cause in why.causes:
+            console.data(f"  since {max(t - cause.since, 0.0):.3f}  {clean(cause.chain)}")
+    if any(why.verdict != TRUE for _, why in last.values()):
+        raise typer.Exit(ExitStatus.NO)
+
+
+def _explain_code(code: str, *, as_json: bool) -> None:
     from eddi_scaffold.common import catalogue
 
     diagnostic = catalogue.find(code)
     if diagnostic is None:
         similar = catalogue.similar(code)
-        hint = f"did you mean {' or '.join(similar)}?" if similar else "a code is like K007"
+        hint = "a code is like K007; of a claim: FILE --bag FILE"
+        hint = f"did you mean {' or '.join(similar)}?" if similar else hint
         raise EddiError(problem("G008.code", hint=hint, code=code))
     if as_json:
         console.json(diagnostic.as_json())

@@ -17,6 +17,7 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors,
 
 if TYPE_CHECKING:
     from eddi_scaffold.monitors.config_reading import RobotAdditions
+    from eddi_scaffold.recordings.csv_recording import Recording
     from eddi_scaffold.recordings.members import Member
 
 
@@ -38,11 +39,13 @@ def run(
     steps_as: Annotated[Literal["node", "rows"], typer.Option("--steps")] = "node",
     as_json: bool = False,
     as_csv: bool = False,
+    why: str | None = None,
     plot: Annotated[Path | None, typer.Option("--plot", callback=for_pictures)] = None,
 ) -> None:
     """Run monitors on a recording.
 
-    Prints changes of verdicts, or every step as JSON or CSV. Several monitors hear each other.
+    Prints changes of verdicts and why claims do not hold, or every step. Several monitors hear each
+    other.
 
     Example: eddi-scaffold run two_conserts.xml -c consert_a_config.yml --inputs recording.csv
 
@@ -58,28 +61,66 @@ def run(
         no_code: Leave out the code of packages.
         steps_as: As the node would, by mode and frequency, or one for each row.
         as_csv: Print every step as CSV: t and each value.
+        why: Print only when and why this claim does not hold: ID, or MONITOR.ID.
         plot: SVG to draw into: inputs and outputs; of several monitors, their verdicts.
     """
-    from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.recordings.bags import read_bag
-    from eddi_scaffold.recordings.members import read_values
     from eddi_scaffold.recordings.playing import ROWS, play, played, raising
-    from eddi_scaffold.recordings.results import changes, picture, steps, table
+    from eddi_scaffold.recordings.results import changes, picture, sentences, steps, table
 
-    if (as_json and as_csv) or (inputs is None) == (bag is None):
-        raise EddiError(problem("G000.formats" if as_json and as_csv else "G000.one_recording"))
+    forms = {"--json": as_json, "--csv": as_csv, "--why": why is not None}
+    if sum(forms.values()) > 1:
+        names = " and ".join(name for name, chosen in forms.items() if chosen)
+        raise EddiError(problem("G000.exclude", options=names))
     options = {
         "--config": config or [], "--name": name, "--default-guarantee": default_guarantee or (),
         "--system": system, "--models": models,
     }  # fmt: skip
-    members, problems = _members(files or [], workspace, options, code=not no_code)
+    members, recording = recorded(files or [], inputs, bag, workspace, options, code=not no_code)
     if as_csv and len(members) > 1:
         names = ", ".join(member.name for member in members)
         raise EddiError(problem("G000.one_monitor", one_only="--csv", names=names))
+    if plot is not None:
+        refuse_input(plot)  # before anything is printed
+    rule = ROWS if steps_as == "rows" else None
+    playback = play(played(members, rule), recording)
+    playback = raising(playback, lambda p: console.problems([p], summary=False))
+    if why is not None:
+        lines = sentences(playback, why)
+    elif as_json:
+        lines = map(json.dumps, steps(playback))
+    else:
+        lines = (table if as_csv else changes)(playback)
+    for line in lines:
+        console.data(line)
+    if plot is not None:
+        first = members[0].monitor
+        title = f"{first.kind.title} {first.model.name}"
+        title = title if len(members) == 1 else f"{len(members)} monitors, their verdicts"
+        svg = picture(title, play(played(members, rule), recording))
+        write(plot.parent, {plot.name: FileState(svg.encode())})
+
+
+def recorded(
+    files: Sequence[Path],
+    inputs: Path | None,
+    bag: Path | None,
+    workspace: Path | None,
+    options: Mapping[str, Any],
+    *,
+    code: bool,
+) -> tuple[list[Member], Recording]:
+    """Return what is to be played and the recording; problems, and whose code runs, are printed."""
+    from eddi_scaffold.monitors.survey import inputs_of_others
+    from eddi_scaffold.recordings.bags import read_bag
+    from eddi_scaffold.recordings.members import read_values
+
+    if (inputs is None) == (bag is None):
+        raise EddiError(problem("G000.one_recording"))
+    members, problems = _members(files, workspace, options, code=code)
     without = any(member.monitor.config is None for member in members)
     if inputs is not None:
-        beside = [path for path in (*(files or []), *(config or [])) if path.is_file()]
+        beside = [path for path in (*files, *options["--config"]) if path.is_file()]
         others = partial(inputs_of_others, beside)
         members, recording, more = read_values(read_source(inputs), members, others)
         if without:
@@ -95,25 +136,10 @@ def run(
         more = [*more, problem("I014.by_hand", by_hand=", ".join(by_hand))]
     console.problems([*problems, *more])
     executed = [member.name for member in members if member.code is not None]
-    if executed or (workspace is not None and not no_code):
+    if executed or (workspace is not None and code):
         names = ", ".join(executed) or "no package"
         console.say(f"with the code of {names}; --no-code leaves it out")
-    if plot is not None:
-        refuse_input(plot)  # before anything is printed
-    rule = ROWS if steps_as == "rows" else None
-    playback = play(played(members, rule), recording)
-    playback = raising(playback, lambda p: console.problems([p], summary=False))
-    lines = (
-        map(json.dumps, steps(playback)) if as_json else (table if as_csv else changes)(playback)
-    )
-    for line in lines:
-        console.data(line)
-    if plot is not None:
-        first = members[0].monitor
-        title = f"{first.kind.title} {first.model.name}"
-        title = title if len(members) == 1 else f"{len(members)} monitors, their verdicts"
-        svg = picture(title, play(played(members, rule), recording))
-        write(plot.parent, {plot.name: FileState(svg.encode())})
+    return members, recording
 
 
 def _members(

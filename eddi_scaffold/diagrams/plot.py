@@ -24,6 +24,7 @@ class Track:
     group: str  # heading under which it is shown (`inputs`, `outputs`)
     times: tuple[float, ...]  # seconds, ascending
     values: tuple[Value, ...]  # one per time
+    reasons: tuple[str, ...] = ()  # one per time, why it is not so, empty for none
 
     @property
     def form(self) -> Form:
@@ -64,15 +65,16 @@ def shown_time(tracks: Iterable[Track]) -> Span:
     return start, end + max(step, (end - start) / 100)
 
 
-def stretches(track: Track, end: float) -> list[tuple[float, float, Value]]:
-    """Return (from, to, value) of each stretch of equal values; the last one ends at ``end``."""
-    parts: list[tuple[float, float, Value]] = []
-    for k, (t, value) in enumerate(zip(track.times, track.values, strict=True)):
+def stretches(track: Track, end: float) -> list[tuple[float, float, Value, str]]:
+    """Return (from, to, value, reason) of each stretch of equal ones; the last ends at ``end``."""
+    parts: list[tuple[float, float, Value, str]] = []
+    reasons = track.reasons or [""] * len(track.times)
+    for k, (t, value, why) in enumerate(zip(track.times, track.values, reasons, strict=True)):
         until = track.times[k + 1] if k + 1 < len(track.times) else end
-        if parts and parts[-1][2] == value and type(parts[-1][2]) is type(value):
-            parts[-1] = (parts[-1][0], until, value)
+        if parts and parts[-1][2:] == (value, why) and type(parts[-1][2]) is type(value):
+            parts[-1] = (parts[-1][0], until, value, why)
         else:
-            parts.append((t, until, value))
+            parts.append((t, until, value, why))
     return parts
 
 
@@ -91,9 +93,15 @@ def ticks(low: float, high: float) -> list[float]:
 _LEFT, _RIGHT, _WIDTH = 230, 70, 1000
 _TOP, _BAND, _GRAPH, _GAP, _HEADING = 46, 18, 64, 8, 24
 _COLOURS = {True: "#1f5f99", False: "#c9ced6", None: "url(#unknown)"}
-_WORDS = {True: "active or true", False: "inactive or false", None: "unknown"}
+_WORDS = {True: "holds", False: "known not to hold", None: "unknown"}
+_LEGEND = {
+    True: "holds, true; of NOT x: hazard x is absent",
+    False: "known not to hold, false",
+    None: "unknown, which counts as not",
+}
 _STYLE = (
     "text{font:12px sans-serif;fill:#1f2933}.small{font-size:10px;fill:#52606d}"
+    ".reason{font-size:10px;paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-opacity:.8}"
     ".title{font-size:15px;font-weight:bold}.group{font-weight:bold}"
     ".grid{stroke:#e4e7eb;stroke-width:1}.line{fill:none;stroke:#1f5f99;stroke-width:1.5}"
 )
@@ -104,6 +112,7 @@ _HATCH = (
 )
 _DECADES, _LEAST = 1e3, 1e-15
 """How far probabilities span before their axis is logarithmic, and the least of the highest."""
+_LEAST_SHOWN = 10  # characters of a reason in a bar
 _MAX_COLUMNS = 2000
 """Steps of a line that are drawn; of more, the lowest and highest of each column are kept."""
 
@@ -129,15 +138,19 @@ def plot(title: str, tracks: Sequence[Track]) -> str:
 
 
 def _bands(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
-    for begin, until, value in stretches(track, span[1]):
+    for begin, until, value, reason in stretches(track, span[1]):
         x, wide = _x(begin, span), max(_x(until, span) - _x(begin, span), 1.0)
         truth = None if value is None else bool(value)
         colour = "#d6e4f5" if isinstance(value, str) else _COLOURS[truth]
-        shown = xml_text(value if isinstance(value, str) else _WORDS[truth])
+        text = value if isinstance(value, str) else _WORDS[truth]
         place = f'x="{_n(x)}" y="{y}" width="{_n(wide)}" height="{height}"'
-        title = f"<title>{shown}: {begin:g} s to {until:g} s</title>"
-        yield f'<rect {place} fill="{colour}">{title}</rect>'
-        if isinstance(value, str) and wide > 7 * len(value):
+        why = f", {reason}" if reason else ""
+        title = xml_text(f"{text}: {begin:g} s to {until:g} s{why}")
+        yield f'<rect {place} fill="{colour}"><title>{title}</title></rect>'
+        most = int(wide / (6.4 if reason else 7))  # characters
+        if reason and most > _LEAST_SHOWN:
+            yield _text(x + 4, y + 13, reason, "reason", width=most, title=title)
+        elif isinstance(value, str) and most > len(value):
             yield _text(x + 4, y + 13, value, "small")
 
 
@@ -179,10 +192,10 @@ def _line(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
 
 
 def _thinned(
-    parts: Sequence[tuple[float, float, object]], span: Span
+    parts: Sequence[tuple[float, float, object, str]], span: Span
 ) -> list[tuple[float, float, float | None]]:
     """Keep at most the lowest and the highest value of each column, and every unknown one."""
-    values = [(a, b, v if isinstance(v, int | float) else None) for a, b, v in parts]
+    values = [(a, b, v if isinstance(v, int | float) else None) for a, b, v, *_ in parts]
     if len(values) <= _MAX_COLUMNS:
         return values
     start, end = span
@@ -209,8 +222,8 @@ def _grid(span: Span, bottom: int) -> Iterable[str]:
 
 
 def _legend(y: int) -> Iterable[str]:
-    for number, (value, word) in enumerate(_WORDS.items()):
-        x = _LEFT + 140 * number
+    for number, (value, word) in enumerate(_LEGEND.items()):
+        x = _LEFT + 260 * number
         yield f'<rect x="{x}" y="{y - 9}" width="14" height="10" fill="{_COLOURS[value]}"/>'
         yield _text(x + 20, y, word, "small")
 
@@ -230,9 +243,17 @@ def _n(value: float) -> str:
 
 
 def _text(
-    x: float, y: float, text: str, kind: str = "", *, anchor: str = "start", width: int = 200
+    x: float,
+    y: float,
+    text: str,
+    kind: str = "",
+    *,
+    anchor: str = "start",
+    width: int = 200,
+    title: str = "",
 ) -> str:
     shown = text if len(text) <= width else f"{text[: width - 1]}…"
     style = f' class="{kind}"' if kind else ""
     place = f'x="{_n(x)}" y="{_n(y)}"'
-    return f'<text {place}{style} text-anchor="{anchor}">{xml_text(shown)}</text>'
+    hover = f"<title>{title}</title>" if title else ""
+    return f'<text {place}{style} text-anchor="{anchor}">{hover}{xml_text(shown)}</text>'

@@ -138,7 +138,8 @@ def _outline(shape: Shape, tone: Tone, x: float, y: float, width: float, height:
     }  # fmt: skip
     path = _PATHS[shape].format_map({name: _n(value) for name, value in numbers.items()})
     fill, stroke = _TONES[tone]
-    return f'<path d="{path}" fill="{fill}" stroke="{stroke}" stroke-width="1.4"/>'
+    dashes = ' stroke-dasharray="4 3"' if tone == "warning" else ""
+    return f'<path d="{path}" fill="{fill}" stroke="{stroke}" stroke-width="1.4"{dashes}/>'
 
 
 def _legend(entries: Sequence[LegendEntry], y: float) -> Iterable[str]:

@@ -268,6 +268,9 @@ class ReplayedNode:
             name: UNKNOWN_AGE if message.latched else (t - message.t) / SECOND
             for name, message in self._latest.items()
         }
+        for spec in self._running.inputs:  # a column is as old as the messages in its place
+            for name in spec.requires if spec.id in ages else ():
+                ages[name] = max(ages[spec.id], ages.get(name, 0.0))
         words: Mapping[str, Word] = {}
         if self._words is not None:
             receipts: dict[str, Receipt] = {}

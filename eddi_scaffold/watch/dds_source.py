@@ -26,6 +26,7 @@ from eddi_runtime.transports.dds.messages import message_classes
 from eddi_runtime.transports.dds.node import ros_type
 
 from eddi_scaffold.common.problems import EddiError, problem
+from eddi_scaffold.kinds import WHY
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
 from eddi_scaffold.platforms.dds import with_parts
 from eddi_scaffold.watch.messages import (
@@ -226,7 +227,7 @@ class _Domain:
 def _classes() -> dict[str, Any]:
     """Return type -> class of cyclonedds, of all that is watched."""
     known = {name: ros2_fields(of) for name, of in ros2_messages({**known_messages()}).items()}
-    watched = (*status_messages(), DIAGNOSTICS)
+    watched = (*status_messages(), WHY, DIAGNOSTICS)
     texts = {
         name: ", ".join(f"{type_} {field}" for field, type_ in known[name].items())
         for top in watched

@@ -6,8 +6,12 @@ from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from statistics import median
+from typing import NamedTuple
+
+from eddi_runtime.why import FALSE, MOST_AGE_S, TRUE, UNKNOWN, ClaimWhy, Why, read_why
 
 from eddi_scaffold.common.claims import State, StatusReading, Verdict
+from eddi_scaffold.kinds import WHY
 from eddi_scaffold.watch.messages import (
     DIAGNOSTICS,
     MAX_MONITORS,
@@ -31,12 +35,28 @@ _UNREADABLE = (AttributeError, TypeError, ValueError)
 """What a message raises that has the name of ours, and other fields."""
 
 
+_HOLDS: Mapping[int, State] = {FALSE: "not active", UNKNOWN: "unknown", TRUE: "active"}
+_HAZARDS: Mapping[State, str] = {"active": "absent", "not active": "present"}
+
+
 @dataclass(frozen=True)
 class VerdictView(Verdict):
     """One guarantee, threshold or event now; silence makes it unknown."""
 
     since: float = 0.0  # seconds, when it came into this state
     seen: bool = False  # it was seen to change; else it may have been in this state for longer
+    why: ClaimWhy | None = None  # as its monitor told it last, after it came into this state
+
+    @property
+    def good(self) -> State:
+        """Whether the claim holds; of a hazard, whether its absence does."""
+        return self.state if self.why is None else _HOLDS[self.why.verdict]
+
+    @property
+    def word(self) -> str:
+        """Its state in a word; a hazard is present or absent."""
+        is_hazard = {self.state, self.good} == {"active", "not active"}
+        return (_HAZARDS if is_hazard else {}).get(self.good, self.good)
 
 
 @dataclass(frozen=True)
@@ -149,19 +169,42 @@ class _Monitor:
     def change(self, verdict: VerdictView, before: State | None, t: float) -> Change:
         return Change(t, self.robot, self.name, verdict.id, verdict.state, before, verdict.reasons)
 
-    def view(self, report: NodeReport | None) -> MonitorView:
+    def view(self, report: NodeReport | None, told: _Told, now: float) -> MonitorView:
         streams = [stream for _, stream in sorted(self.streams.items())]
         return MonitorView(
             self.name,
             self.title,
             self.topic,
             self.node,
-            tuple(verdict for stream in streams for verdict in stream.verdicts.values()),
+            tuple(told.of(v, now) for stream in streams for v in stream.verdicts.values()),
             tuple(dict.fromkeys(text for stream in streams for text in stream.accepted)),
             self.last,
             self.is_silent,
             None if self.is_silent else report,
         )
+
+
+class _Told(NamedTuple):
+    """What a monitor told last of why its claims are as they are."""
+
+    t: float  # seconds, when
+    whys: Why
+
+    def of(self, verdict: VerdictView, now: float) -> VerdictView:
+        """Return a verdict with it, unless it is of before, or of a monitor that fell silent."""
+        why = self.whys.get(verdict.id)
+        if why is None or (verdict.seen and self.t < verdict.since):
+            return verdict
+        is_old = now - self.t > MOST_AGE_S
+        causes = () if is_old else tuple(cause.later(now - self.t) for cause in why.causes)
+        return replace(verdict, why=why._replace(causes=causes))
+
+
+_NOTHING_TOLD = _Told(0.0, {})
+
+
+def _first(why: ClaimWhy | None) -> object:
+    return [(cause.path, cause.state) for cause in (why.causes[:1] if why is not None else ())]
 
 
 class FleetState:
@@ -182,6 +225,7 @@ class FleetState:
         self._reports: dict[str, dict[str, NodeReport]] = {}  # by node and model
         self._changes: deque[Change] = deque(maxlen=_CHANGES)
         self._notes: dict[str, None] = {}
+        self._told: dict[tuple[str, str], _Told] = {}  # by topic and node
         self._changed = self._verdicts = 0
 
     @property
@@ -198,6 +242,8 @@ class FleetState:
             if message.type == DIAGNOSTICS:
                 for report in reports_of(message.content, message.t):
                     self._take_report(report)
+            if message.type == WHY:
+                return self._take_why(message)
             if message.type not in status_messages():
                 return []
             known = status_messages()[message.type]
@@ -235,8 +281,9 @@ class FleetState:
     def snapshot(self, now: float) -> Snapshot:
         """Return what is known."""
         robots: dict[str, list[MonitorView]] = {}
-        for monitor in self._monitors.values():
-            view = monitor.view(self._report_of(monitor))
+        for key, monitor in self._monitors.items():
+            told = _NOTHING_TOLD if monitor.is_silent else self._told.get(key, _NOTHING_TOLD)
+            view = monitor.view(self._report_of(monitor), told, now)
             robots.setdefault(monitor.robot, []).append(view)
         views = (
             RobotView(name, tuple(sorted(monitors, key=lambda view: (view.name, view.topic))))
@@ -244,6 +291,24 @@ class FleetState:
         )
         last = tuple(reversed(self._changes))
         return Snapshot(now, tuple(views), last, self._changed, tuple(self._notes))
+
+    def _take_why(self, message: Message) -> list[Change]:
+        """Take why claims are as they are; what is told of one anew goes to who follows changes."""
+        key = base_topic(message.topic), message.node
+        before = self._told.get(key, _NOTHING_TOLD).whys
+        if key not in self._told and len(self._told) >= MAX_MONITORS:
+            return []
+        self._told[key] = _Told(message.t, read_why(message.content))
+        monitor = self._monitors.get(key)
+        if monitor is None:
+            return []
+        verdicts = {k: v for one in monitor.streams.values() for k, v in one.verdicts.items()}
+        return [
+            replace(monitor.change(verdicts[id_], verdicts[id_].state, message.t), reasons=(text,))
+            for id_, why in self._told[key].whys.items()
+            if why.causes and id_ in verdicts and _first(why) != _first(before.get(id_))
+            for text in [plain(why.sentence)]
+        ]
 
     def _take_report(self, report: NodeReport) -> None:
         is_new = report.model not in self._reports.get(report.node, {})

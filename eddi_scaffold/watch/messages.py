@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 from eddi_scaffold.common.claims import Listen
 from eddi_scaffold.common.escaping import one_line
 from eddi_scaffold.common.problems import EddiError, problem
-from eddi_scaffold.kinds import kinds
+from eddi_scaffold.kinds import WHY, kinds
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 
 DIAGNOSTICS = "diagnostic_msgs/DiagnosticArray"
@@ -75,13 +75,15 @@ def status_messages() -> Mapping[str, KnownMessage]:
 
 def is_watched(topic: str, type_: str) -> bool:
     """Return whether messages of a topic are read."""
-    return type_ in status_messages() or (type_ == DIAGNOSTICS and topic == DIAGNOSTICS_TOPIC)
+    return type_ in (*status_messages(), WHY) or (
+        type_ == DIAGNOSTICS and topic == DIAGNOSTICS_TOPIC
+    )
 
 
 def base_topic(topic: str) -> str:
     """Return the topic of the result, of one that is a companion of it."""
     head, _, last = topic.rpartition("/")
-    return head if last in ("status", "evidence") and head else topic
+    return head if last in ("status", "evidence", "why") and head else topic
 
 
 def is_below(name: str, namespace: str) -> bool:

@@ -21,9 +21,9 @@ from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
 from eddi_scaffold.diagrams.svg import drawn
-from eddi_scaffold.watch.fleet import RobotView, Snapshot
+from eddi_scaffold.watch.fleet import RobotView, Snapshot, VerdictView
 from eddi_scaffold.watch.following import CONTENT_TYPE, Clock, metrics_text
-from eddi_scaffold.watch.messages import MAX_VERDICTS
+from eddi_scaffold.watch.messages import MAX_VERDICTS, plain
 
 SHOWN_CHANGES = 50
 # a state is told by its words and a mark, its colour only adds to them
@@ -65,25 +65,32 @@ class View:
         for monitor in robot.monitors:
             for verdict in monitor.verdicts:
                 why, since = ", ".join(verdict.reasons), self.time(verdict.since)
-                if verdict.state != "active" and monitor.report is not None:
+                if verdict.good != "active" and monitor.report is not None:
                     why = monitor.report.reasons.get(verdict.id, why)  # with topics and ages
+                why = _sentence(verdict) or ("" if verdict.word == "absent" else why)
                 why = "; ".join(filter(None, (why, verdict.text)))
-                row = (monitor.name, monitor.title, verdict.id, verdict.state, why)
+                row = (monitor.name, monitor.title, verdict.id, verdict.word, verdict.good, why)
                 rows.append(_row(*row, since if verdict.seen else f"≤ {since}"))
-                counts[verdict.state] += 1
+                counts[verdict.word] += 1
             facts += [f"{monitor.name} accepts {text}" for text in monitor.accepted]
             if monitor.report is not None:
                 facts.append(f"{monitor.name}: {monitor.report.message}")
-        summary = ", ".join(f"{counts[state]} {state}" for state in MARKS)
+        words = [*MARKS, *(word for word in ("absent", "present") if counts[word])]
+        summary = ", ".join(f"{counts[word]} {word}" for word in words)
         texts = {"number": number, "name": robot.name, "summary": summary}
         texts["graph"] = graph_version(robot)
         return _filled("robot", texts, rows="".join(rows), facts=_items(facts))
 
 
+def _sentence(verdict: VerdictView) -> str:
+    """Return why it does not hold, as its monitor tells it; empty where it does not."""
+    return plain(verdict.why.sentence) if verdict.why is not None and verdict.why.causes else ""
+
+
 @lru_cache(MAX_VERDICTS)
-def _row(monitor: str, kind: str, name: str, state: str, why: str, since: str) -> str:
+def _row(monitor: str, kind: str, name: str, state: str, good: str, why: str, since: str) -> str:
     texts = {"monitor": monitor, "kind": kind, "name": name, "state": state, "why": why}
-    return _filled("verdict", {**texts, "since": since, "mark": MARKS[state]})
+    return _filled("verdict", {**texts, "since": since, "good": good, "mark": MARKS[good]})
 
 
 def _items(texts: Iterable[str]) -> str:
@@ -104,7 +111,7 @@ def static(name: str) -> bytes:
 def graph_version(robot: RobotView) -> int:
     """Return another number when the graph of a robot is another one."""
     verdicts = [
-        (monitor.name, monitor.silent, verdict.id, verdict.state, verdict.reasons)
+        (monitor.name, monitor.silent, verdict.id, verdict.word, verdict.reasons, _chain(verdict))
         for monitor in robot.monitors
         for verdict in monitor.verdicts
     ]
@@ -124,7 +131,7 @@ def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
     """Return the SVG of a robot's verdicts; of models not known here, what monitors say."""
     nodes, edges = [], []
     for number, monitor in enumerate(robot.monitors):
-        key, states = f"m{number}", {verdict.id: verdict.state for verdict in monitor.verdicts}
+        key, states = f"m{number}", {verdict.id: verdict for verdict in monitor.verdicts}
         lines = (monitor.name, "silent" if monitor.silent else monitor.title)
         nodes.append(DiagramNode(key, lines, "box", "neutral"))
         edges += [DiagramEdge(f"{key} {id_}", key, arrow=False) for id_ in states]
@@ -139,8 +146,11 @@ def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
             head, *rest = node.lines
             node_here = replace(node, id=f"{key} {node.id}")
             if node.id in states:
-                state = states[node.id]
-                node_here = replace(node_here, lines=(head, state, *rest), tone=TONES[state])
+                verdict = states[node.id]
+                below = (head, verdict.word, *rest, *_chain(verdict))
+                tooltip = _sentence(verdict) or node.tooltip
+                tone = TONES[verdict.good]
+                node_here = replace(node_here, lines=below, tone=tone, tooltip=tooltip)
             elif node.id in lacking:
                 node_here = replace(node_here, lines=(head, "lacks", *rest), tone="refused")
             nodes.append(node_here)
@@ -150,6 +160,12 @@ def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
             )
     text = "below a monitor its guarantees, below these what they rest on, or lack"
     return drawn(Diagram(robot.name, tuple(nodes), tuple(edges), "up", _LEGEND, text))
+
+
+def _chain(verdict: VerdictView) -> tuple[str, ...]:
+    """Return the links to its first reason: what of it stays while it lasts."""
+    causes = verdict.why.causes[:1] if verdict.why is not None else ()
+    return tuple(plain(f"<- {cause.path[-1]}") for cause in causes if cause.path)
 
 
 def _picture(verdicts: Iterable[str], lacking: Mapping[str, Sequence[str]]) -> Diagram:

@@ -54,8 +54,12 @@ def test_a_workspace_runs_with_its_code(folder: Path, header: str) -> None:
     rows(folder / "r.csv", header, "0,true,true", "0.3,true,false", "0.5,true,false")
     assert told(folder, "-w", "ws")[:2] == FIRST
     body(folder, "a", DEMAND, NOT)
-    with_code = ["0.300 ConSertB: System_A_G0_c2 inactive", f"0.300 {ACTIVE}"]
-    inactive = "0.000 ConSertA: System_A_G0 active System_A_G1 inactive"
+    with_code = [
+        "0.300 ConSertB: System_A_G0_c2 inactive <- RtE_A_E0 <- /rte/e0b: false for 0.0 s",
+        f"0.300 {ACTIVE}",
+    ]
+    chain = "<- RtE_A_D0 <- System_A_G0_c2: true for 0.0 s"
+    inactive = f"0.000 ConSertA: System_A_G0 active System_A_G1 inactive {chain}"
     packages = [f"ws/src/eddi_monitor/consert{letter}" for letter in "ab"]
     for words in [("-w", "ws"), packages, ("ws/src/eddi_monitor",), (*BOTH, "-w", "ws")]:
         assert told(folder, *words) == [FIRST[0], inactive, *with_code], words
@@ -151,7 +155,8 @@ def test_plain_packages_are_joined_or_refused(tmp_path: Path) -> None:
     rows(tmp_path / "r.csv", "/sensor", "0,true", "0.2,false")
     assert told(tmp_path, near, far) == [
         "0.000 far: G active", "0.000 near: G active",
-        "0.200 far: G inactive", "0.200 near: G inactive waits for ok",
+        "0.200 far: G inactive <- ok <- /sensor: false for 0.0 s",
+        "0.200 near: G unknown <- ok <- G <- ok <- /sensor: false for 0.0 s",
     ]  # fmt: skip
     shutil.rmtree(tmp_path / "out_far")
     far = plain(tmp_path, "far", "near/out", *OF_MONITOR)
@@ -171,11 +176,11 @@ def test_robots_hear_each_other_for_the_lease(tmp_path: Path) -> None:
     alive = [f"{t},true,true,true" if not 3 <= t < 6 else f"{t},,,true" for t in times]
     rows(tmp_path / "r.csv", sensors, *alive)
     lines = told(tmp_path, str(ROOT / "examples/two-robots/deployment.yml"))
-    of_cart = [line.split(" waits")[0] for line in lines if " cart/cart: " in line]
+    of_cart = [line.split(" <-")[0] for line in lines if " cart/cart: " in line]
     assert of_cart == [
         f"{t} cart/cart: Drive {drive} Wait active"
         for t, drive in [
-            ("0.000", "inactive"), ("0.100", "active"), ("3.500", "inactive"), ("6.000", "active"),
+            ("0.000", "unknown"), ("0.100", "active"), ("3.500", "unknown"), ("6.000", "active"),
         ]
     ]  # fmt: skip
 

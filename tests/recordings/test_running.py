@@ -24,14 +24,25 @@ def test_a_model_is_chosen_by_name_without_a_configuration(tmp_path: Path) -> No
     words = ("two_conserts.xml", "--name", "ConSertB", "--inputs", str(recording))
     first = json.loads(run(*words, "--json").out.splitlines()[0])
     assert first["inputs"] == {"RtE_A_E0": None}
-    assert first["blocked"] == {"RtE_A_E0": ["System_A_G0_c2"]}
+    never = "RtE_A_E0: no message yet, 0.0 s after the start"
+    why = first["why"]["System_A_G0_c2"]
+    assert (why["value"], why["text"]) == ("unknown", f"System_A_G0_c2 <- {never}")
+    assert why["causes"][0]["path"] == ["RtE_A_E0"]
     done = run(*words)
     assert done.status == 0, done.err
     assert done.out.splitlines() == [
-        "     0.000  System_A_G0_c2 inactive  waits for RtE_A_E0",
+        f"     0.000  System_A_G0_c2 unknown   <- {never}",
         "     1.000  System_A_G0_c2 active",
-        "     2.000  System_A_G0_c2 inactive",
+        "     2.000  System_A_G0_c2 inactive  <- RtE_A_E0: false for 0.0 s",
     ]
+    done = run(*words, "--why", "System_A_G0_c2")
+    assert done.out.splitlines() == [
+        f"     0.000  System_A_G0_c2 <- {never}",
+        "     1.000  System_A_G0_c2 holds",
+        "     2.000  System_A_G0_c2 <- RtE_A_E0: false for 0.0 s",
+    ]
+    done = run(*words, "--why", "System_A_G0")
+    assert (done.status, "did you mean 'System_A_G0_c2'?" in done.err) == (2, True)
 
 
 def test_a_value_that_cannot_be_used_is_said_beside_the_input(tmp_path: Path) -> None:
@@ -39,7 +50,7 @@ def test_a_value_that_cannot_be_used_is_said_beside_the_input(tmp_path: Path) ->
     (tmp_path / "mode.events").write_text(text)
     (tmp_path / "r.csv").write_text("t,m\n0,AUTO\n1,MANUAL\n")
     done = run("mode.events", "--inputs", "r.csv", folder=tmp_path)
-    assert done.out.splitlines()[1].endswith("waits for m (expected AUTO, HAND, got 'MANUAL')")
+    assert done.out.splitlines()[1].endswith("<- m: expected AUTO, HAND, got 'MANUAL'")
 
 
 SMALL = """
@@ -109,7 +120,7 @@ def changes_of(folder: Path, *more: str) -> list[tuple[str, str]]:
 def test_an_outage_is_seen(model, times, tmp_path):
     """At the next step, or on change when the age ends."""
     configured(tmp_path, "frequency: 10", model)
-    wanted = zip(times, ["11", "10", "00", "11"], strict=True)
+    wanted = zip(times, ["11", "1?", "??", "11"], strict=True)
     assert changes_of(tmp_path) == list(wanted)
 
 

@@ -4,9 +4,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from eddi_runtime.why import Cause, ClaimWhy
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.kinds import WHY
 from eddi_scaffold.watch import fleet, messages
 from eddi_scaffold.watch.fleet import Change, FleetState, MonitorView
 from eddi_scaffold.watch.messages import Message, requested_robots, status_messages
@@ -50,6 +52,49 @@ def test_states_reasons_and_since_when() -> None:
     assert (a.state, a.reasons, a.since, a.seen) == ("not active", ("needs_A",), 3.0, True)
     assert (b.state, b.since, b.seen) == ("unknown", 1.0, False)
     assert (only(state).name, only(state).title) == ("Cart", "ConSert")
+
+
+def told(t: float, claim: str, verdict: int, *path: str) -> Message:
+    causes = (Cause(path, "silent", "nothing for {age}, limit {limit}", "/x", (), 1.0, 1.0, 0.5),)
+    claims = {claim: ClaimWhy(claim, verdict, causes if path else ())}
+    return Message("/r1/cart/guarantees/why", WHY, claims, t)
+
+
+def test_the_sentence_of_a_claim_comes_after_its_change_and_grows_older() -> None:
+    state = FleetState()
+    state.take(told(0.5, "A", UNKNOWN, "before"))
+    state.take(message(1.0, status(A=TRUE)))
+    state.take(message(2.0, status(A=UNKNOWN)))
+    (a,) = only(state, 2.0).verdicts
+    assert (a.why, a.good, a.word) == (None, "unknown", "unknown")
+    (change,) = state.take(told(2.1, "A", UNKNOWN, "x", "/x"))
+    assert change.reasons == ("A <- x <- /x: nothing for 1.0 s, limit 0.5 s",)
+    assert state.take(told(3.1, "A", UNKNOWN, "x", "/x")) == []
+    (a,) = only(state, 4.1).verdicts
+    assert a.why is not None
+    assert a.why.sentence == "A <- x <- /x: nothing for 2.0 s, limit 0.5 s"
+    (a,) = only(state, 6.2).verdicts
+    assert a.why is not None
+    assert a.why.causes == ()  # too old
+    state.look(9.0)
+    assert only(state, 9.0).verdicts[0].why is None  # it is silent: something else is wrong
+
+
+@pytest.mark.parametrize(
+    ("verdict", "claim", "good", "word"),
+    [
+        (FALSE, TRUE, "active", "absent"),
+        (TRUE, FALSE, "not active", "present"),
+        (UNKNOWN, UNKNOWN, "unknown", "unknown"),
+    ],
+)
+def test_a_hazard_that_is_absent_is_good(verdict: int, claim: int, good: str, word: str) -> None:
+    state = FleetState()
+    content = SimpleNamespace(id="h", verdict=verdict, active=verdict != FALSE, accepted=[])
+    state.take(told(0.9, "h", claim))
+    state.take(Message("/r1/cart/guarantees", "eddi_messages/EventOutput", content, 1.0))
+    (hazard,) = only(state, 60.0).verdicts
+    assert (hazard.good, hazard.word) == (good, word)
 
 
 def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:

@@ -1,6 +1,7 @@
 """Plots: what is drawn where, that any text is safe, that the bytes are the same."""
 
 import math
+from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 from hypothesis import given
@@ -40,6 +41,21 @@ def test_what_is_true_may_be_bad_and_is_not_green() -> None:
     ]
     red, green, blue = (int(band[at : at + 2], 16) for at in (1, 3, 5))
     assert blue > green > red
+
+
+def test_a_reason_is_clipped_in_the_bar_and_whole_beside_the_pointer() -> None:
+    chain = "nearest <- /lidar/<nearest>: nothing for 0.4 s, limit 0.3 s"
+    values = [True, None, None, None, None, None, None, True]
+    told = replace(track(*values), reasons=("", *[chain] * 6, ""))
+    root = ET.fromstring(plot("x", [told, replace(track(*values), reasons=("", *"abcdef", ""))]))
+    bars = [bar for bar in root.iter(f"{SVG}rect") if len(bar)]
+    assert [bar[0].text for bar in bars[:2]] == [
+        "holds: 0 s to 1 s",
+        f"unknown: 1 s to 7 s, {chain}",
+    ]
+    assert len(bars) == 3 + 8
+    shown, *_ = [text for text in root.iter(f"{SVG}text") if text.attrib.get("class") == "reason"]
+    assert (shown[0].text, shown[0].tail) == (bars[1][0].text, chain)
 
 
 def test_a_long_noise_keeps_its_peaks_and_what_is_unknown() -> None:

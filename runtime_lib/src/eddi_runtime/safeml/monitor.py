@@ -209,10 +209,11 @@ class SafeML(Monitor[SafeMLResult]):
 
     def series(self, output: SafeMLResult) -> Mapping[str, bool | float | str | None]:
         known = self.as_json(output)
-        return {name: known[name] for name in ("statistic", "threshold", *self.decided(output))}
+        names = ("statistic", "threshold", "odd_violation", "omission")
+        return {name: known[name] for name in names}
 
     def decided(self, output: SafeMLResult) -> Mapping[str, bool | float | str | None]:
-        return {"odd_violation": output.odd_violation, "omission": output.omission}
+        return {"in_scope": None if output.omission else not output.odd_violation}
 
     def message(self, output: object) -> Tree:
         omission = getattr(output, "omission", None)
