@@ -13,6 +13,7 @@ from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.program.input_expressions import BoundInput, expression_lines
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, module_text
+from eddi_scaffold.program.python_text import comment
 from eddi_scaffold.program.running import module_of
 
 DIGEST = 64 * "0"
@@ -30,7 +31,7 @@ class BoundModel(NamedTuple):
     def text(self, **more: Any) -> str:
         compiled, inputs = self.compiled(**more), self.declaration.inputs
         compiled = replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
-        origin = f"{self.model.source.file_name} {self.model.place.path or ''}"
+        origin = f" of {comment(self.model.source.file_name)}"
         return module_text(self.model.kind, compiled, self.declaration.model_id, origin)
 
     def module(self, **more: Any) -> ModuleType:

@@ -34,7 +34,8 @@ class Workspace:
 
     def contents(self):
         """Return package -> digest of all its files, and of the modes that catkin looks at."""
-        return {folder.name: _digest(folder) for folder in sorted(self.packages.iterdir())}
+        folders = sorted(path for path in self.packages.iterdir() if path.is_dir())
+        return {folder.name: _digest(folder) for folder in folders}
 
     def generate(self, model, *configs, words=()):
         """Generate in this process."""

@@ -62,7 +62,7 @@ def test_an_event_leads_to_the_hazard_that_it_observes() -> None:
 def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:
     """As with `guarantee_ids: class`."""
     monitors, problems = monitors_of(MODELS / "landing.xml", [], "Landing")
-    (made,) = assemble(monitors, platforms()["plain"], MODELS / "none", problems).packages
+    made, *_ = assemble(monitors, platforms()["plain"], MODELS / "none", problems).packages
     facts = from_json(made.answers["facts"])
     classes = {element.id: element.claim or element.id for element in facts.elements}
     claims = tuple(replace(claim, id=classes[claim.id]) for claim in facts.claims)

@@ -26,9 +26,9 @@ def test_the_system_is_read_with_all_topics_of_its_nodes() -> None:
     outputs = simulator_outputs(system, models)
     assert [*problems, *models.problems, *outputs.problems] == []
     types = ("ConSertOutput", "ConSertStatus", "Why")
-    output, status, why = (f"eddi_messages.{name}" for name in types)
+    output, status, why = (f"eddi_messages/{name}" for name in types)
     assert [(topic.id, topic.type, topic.topic) for topic in outputs.topics] == [
-        ("diagnostics", "diagnostic_msgs.DiagnosticArray", "/diagnostics"),
+        ("diagnostics", "diagnostic_msgs/DiagnosticArray", "/diagnostics"),
         ("conserta_guarantees", output, "/conserta/guarantees"),
         ("conserta_guarantees_status", status, "/conserta/guarantees/status"),
         ("conserta_guarantees_why", why, "/conserta/guarantees/why"),

@@ -7,10 +7,9 @@ verdict ever looks at any of it.
 
 * A monitor makes a ``ClaimWhy`` with ``claim_why``; ``why()`` returns claim id -> ``ClaimWhy``, of
   which ``sentence`` is the text, and ``causes[0]`` the first reason.
-* A node publishes ``why_tree`` of its monitor on ``<output topic>/why``, and hands the last
-  ``Why`` of each monitor that it reads to ``processing``, as ``<SimulatorOutput id>/why``. What
-  its transport knows it writes into causes of its own topics: ``cause.because("gone")`` where
-  ``len(cause.monitors) == 1`` and ``cause.topic``.
+* A node publishes that of its monitor on ``<output topic>/why``, and hands the last ``Why`` of
+  each monitor that it reads to ``processing``, as ``<SimulatorOutput id>/why``. What its transport
+  knows it writes into causes of its own topics, of which ``monitors`` has but one.
 """
 
 from __future__ import annotations
