@@ -206,7 +206,7 @@ def trace(
     from eddi_scaffold.packages.upgrading import groups
 
     if as_json and as_csv:
-        raise EddiError(problem("G000.formats"))
+        raise EddiError(problem("G000.exclude", options="--json and --csv"))
     present = [
         package for group in groups(workspace, packages or []) for package in group.present.items()
     ]
