@@ -44,7 +44,10 @@ def built_in(place: Path, command: str) -> str:
 def pip_install(place: Path, monitors: Sequence[str]) -> list[str]:
     """Return what a person types to install packages of Python that are in a folder."""
     runtime = [RUNTIME_PACKAGE] if (place / RUNTIME_PACKAGE).is_dir() else []
-    return [f"pip install {' '.join(quote(str(place / name)) for name in [*runtime, *monitors])}"]
+    paths = [str(place / name) for name in [*runtime, *monitors]]
+    # pip takes a bare name for a distribution of its index
+    named = [quote(path if "/" in path else f"./{path}") for path in paths]
+    return [f"pip install {' '.join(named)}"]
 
 
 def choices(runtime: str | None, single_process: bool | None) -> Choices:
