@@ -112,7 +112,10 @@ def generate(
 
 def _in_lines(command: str) -> str:
     """Return a command of the shell on several lines where it is long."""
-    lines = [command] if "'" in command else wrap(command, 90, break_long_words=False)
+    quoted = "'" in command  # a blank may be inside of an argument
+    lines = (
+        [command] if quoted else wrap(command, 90, break_long_words=False, break_on_hyphens=False)
+    )
     return " \\\n      ".join(lines)
 
 

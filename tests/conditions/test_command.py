@@ -138,7 +138,7 @@ def test_a_package_is_generated_run_and_upgraded(folder: Path) -> None:
     made = run("generate", "--platform", "plain", "-o", "out", *SOURCES, cwd=folder)
     assert made.status == 0, made.err
     source = (folder / "out" / "rover" / "EDDIInput.py").read_text("utf-8")
-    assert "# computed: cool of safety.events: (NOT hot)\n" in source
+    assert "computed: cool of safety.events: (NOT hot)\n" in source
 
     before = files_below(folder / "out")
     (folder / "safety.events").rename(folder / "gone.events")

@@ -18,6 +18,7 @@ from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
+from eddi_runtime.node.health import Diagnostics
 from eddi_runtime.node.node import Node
 from eddi_runtime.node.start import Settings
 from eddi_runtime.node.topics import Converter, Input, Output
@@ -157,6 +158,6 @@ node = Robot(
 node.prepare()
 signal.signal(signal.SIGTERM, lambda *_: node.ending.begin())
 threading.Thread(target=partial(sensors, node), daemon=True).start()
-node.begin("/mover", None)
+node.begin("/mover", Diagnostics(lambda _: None))
 node.ros_main()
 write(node.counts)

@@ -54,14 +54,10 @@ def test_what_is_escaped_fits(text: str) -> None:
     assert fits(escaping.markdown_code(text), "CODE")
     line = f"- {escaping.markdown_text(text)}, `{escaping.markdown_code(text)}`"
     assert fits(line, "MARKDOWN_LINE")
-    assert (
-        fits(
-            markers.begin_marker(text, digests=markers.Digests(uses="12345678"), was=[text, text]),
-            "BEGIN",
-        )
-        or not text
-    )
-    assert fits(markers.end_marker(text), "END") or not text
+    if text:
+        name = markers.encode_id(text)
+        tail = markers.tail_of(markers.Digests(uses="12345678"), [text, text])
+        assert fits(f"{name}{tail}", "REGION")
 
 
 @pytest.mark.parametrize("value", [None, True, 0, -1, 1e300, 5e-324, 0.1, "", "a'\"\\\n\U0001f916"])
@@ -77,15 +73,13 @@ def test_a_literal_is_nothing_else(text: str, value: str, several: str) -> None:
     assert isinstance(ast.literal_eval(several), tuple)
 
 
-@given(line=any_of("LINE"), text=any_of("DOCSTRING"), begin=any_of("BEGIN"), end=any_of("END"))
-def test_comments_and_markers_are_no_statements(line: str, text: str, begin: str, end: str) -> None:
+@given(line=any_of("LINE"), text=any_of("DOCSTRING"), region=any_of("REGION"))
+def test_comments_and_markers_are_no_statements(line: str, text: str, region: str) -> None:
     (only,) = ast.parse(f'"""The {text}."""  # {line}').body
     assert isinstance(only, ast.Expr)
-    both = ast.parse(f"{begin}\n{end}").body
-    assert len(both) == 2
-    for marker in both:
-        assert isinstance(marker, ast.Expr)
-        assert isinstance(marker.value, ast.Constant)
+    (marker,) = ast.parse(f"'''-----Manual edit begin-----'''  # region: {region}").body
+    assert isinstance(marker, ast.Expr)
+    assert isinstance(marker.value, ast.Constant)
 
 
 @pytest.mark.parametrize("shape", ["LINE", "DOCSTRING", "MARKDOWN_LINE", "MARKDOWN", "CODE"])

@@ -98,7 +98,7 @@ def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     words = ("pedestrian.xml", "-c", "eddi_config.yml")
     made = run("generate", "--platform", "plain", "-o", "out", "-m", *words, cwd=tmp_path)
     assert made.status == 0, made.err
-    (package,) = (tmp_path / "out").iterdir()
+    package = tmp_path / "out" / "pedestrian_prediction_example"
     begin = "# region: node_Distance_to_Pedestrian"
     (module,) = package.glob("*_config.py")
     line = next(line for line in module.read_text().splitlines() if begin in line)

@@ -3,12 +3,12 @@
 from .bayesian_network_config import BayesianNetworkConfig
 from .compiled import Monitor
 
+
 class EDDIMonitor:
     """Run the model; `monitor` offers more than a step: why(), faults() and mostly explain()."""
-
     def __init__(self):
         self.monitor = Monitor(BayesianNetworkConfig())
 
     def execute_step(self, eddi_input, t_ns=None):
-        """Evaluate the model once with these inputs; never raises. `t_ns`: time in ns, by default monotonic."""
+        """Evaluate the model once; never raises. `t_ns`: time in ns, by default monotonic."""
         return self.monitor.execute_step(eddi_input, t_ns)

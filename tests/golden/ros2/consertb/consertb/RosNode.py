@@ -20,6 +20,7 @@ with reported('consertb'):
 # -----Manual edit begin-----  # region: RosNode.module of:e3b0c442
 # -----Manual edit end-----  # region: RosNode.module
 
+
 class RosNode(MonitorNode):
     """Subscribe to the evidence, run one monitor step per period, publish the result."""
     NAME = 'consertb'
