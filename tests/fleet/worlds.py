@@ -11,7 +11,7 @@ from tests.cli.command import run
 from tests.contract.stages import Stage, environment, free_domain
 from tests.data_files import data_text
 from tests.package_texts import facts_in
-from tests.ros1.world import PROBES, PYTHON, RUNTIME, make_messages
+from tests.ros1.world import PROBES, PYTHON, make_messages
 
 HERE = Path(__file__).parent
 ARM = data_text("fleet/arm_config.yml")
@@ -106,10 +106,6 @@ class DdsRobots(Robots):
             ip("-n", space, "link", "set", "lo", "up")
 
     def _package(self, name):
-        runtime = self.folder / "eddi_runtime"
-        if not runtime.is_symlink():
-            shutil.rmtree(runtime)
-            runtime.symlink_to(RUNTIME / "eddi_runtime")
         return self.folder / name
 
     def _env(self, robot):
