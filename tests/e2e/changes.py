@@ -15,8 +15,8 @@ FIRST, SECOND = "v900.0.0", "v900.1.0"
 _STAGE = "copier_templates/ros1_monitor/.eddi/new/{{ stage }}"
 _SECOND_LOOK = {
     "copier_templates/eddi_input.py.jinja": (
-        '"""One attribute for each input of the monitor: None',
-        '"""One attribute, second version, for each input of the monitor: None',
+        '"""One attribute for each input; it is unknown',
+        '"""One attribute, second version, for each input; it is unknown',
     ),
     f"{_STAGE}/scripts/RosNode.py.jinja": (
         '"""ROS 1 node of the monitor',

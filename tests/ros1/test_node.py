@@ -46,7 +46,7 @@ def test_latched_evidence_may_be_of_any_age(world, master, probe, model_files):
     level, text, _ = probe.diagnostics(
         "/again/tester", lambda lv, t, v: v.get("F") == "latched", after=mark
     )
-    assert (level, "latched, age unknown" in text) == (1, True)
+    assert (level, "F latched: age unknown" in text) == (1, True)
     mark = probe.mark()
     probe.do("every", topic="/again/flag", kind=BOOL, fields={"data": True}, hz=20)
     probe.diagnostics("/again/tester", lambda lv, t, v: v.get("F") == "ok", after=mark)

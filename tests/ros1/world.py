@@ -290,9 +290,9 @@ class World:
         self._things.append(probe)
         return probe
 
-    def node(self, master, package, *arguments, env=None):
+    def node(self, master, package, *arguments, script=None, env=None):
         """Start the node of a package; ``compiled:=PATH`` says which monitor the tester has."""
-        path = PACKAGES[package] / "scripts" / "RosNode.py"
+        path = script or PACKAGES[package] / "scripts" / "RosNode.py"
         words = [str(one) for one in arguments]
         models = [one for one in words if one.startswith("compiled:=")]
         command = [PYTHON, str(path), *(one for one in words if one not in models)]

@@ -40,5 +40,5 @@ class EDDIInput(EDDIInputBase):
         """Take the latest messages by id: another object is a new message. `t_ns`: of the step."""
         self.begin_processing(t_ns)
         self.update('rotors_ok', self.process_rotors_ok, simulator_outputs, ('rotors',))
-        self.update('MissionLoss_Link', self.process_MissionLoss_Link, simulator_outputs, ('link_lost',))  # noqa: E501
+        self.update('MissionLoss_Link', self.process_MissionLoss_Link, simulator_outputs, ('link_lost',))
         self.processed(simulator_outputs)

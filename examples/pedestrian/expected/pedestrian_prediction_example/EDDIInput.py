@@ -40,5 +40,5 @@ class EDDIInput(EDDIInputBase):
         """Take the latest messages by id: another object is a new message. `t_ns`: of the step."""
         self.begin_processing(t_ns)
         self.update('vehicleSpeed', self.process_vehicleSpeed, simulator_outputs, ('speed',))
-        self.update('pedestrianDistance', self.process_pedestrianDistance, simulator_outputs, ('distance',))  # noqa: E501
+        self.update('pedestrianDistance', self.process_pedestrianDistance, simulator_outputs, ('distance',))
         self.processed(simulator_outputs)

@@ -61,7 +61,7 @@ class EDDIInput(EDDIInputBase):
         self.begin_processing(t_ns)
         self.update('MapKnown', self.process_MapKnown, simulator_outputs, ('MapKnown',))
         self.update('Distance', self.process_Distance, simulator_outputs, ('Distance',))
-        self.update('2nd sensor-ok', self.process__2nd_sensor_ok, simulator_outputs, ('2nd sensor-ok',))  # noqa: E501
+        self.update('2nd sensor-ok', self.process__2nd_sensor_ok, simulator_outputs, ('2nd sensor-ok',))
         self.update('class', self.process_class_, simulator_outputs, ('class',))
         self.update('Mode', self.process_Mode, simulator_outputs, ('Mode',))
         self.processed(simulator_outputs)
