@@ -54,7 +54,7 @@ def test_latched_evidence_may_be_of_any_age(world, master, probe, model_files):
 
     third = world.node(master, "tester", f"compiled:={model_files['tester_half']}", "__ns:=/old")
     _, text, _ = probe.diagnostics("/old/tester", lambda lv, t, v: v.get("F") == "stale")
-    assert "/old/flag was latched, its age is not known" in text
+    assert "/old/flag: latched, its age is not known" in text
     for event in probe.outputs("/old/guarantees", start):
         assert not any(one["active"] for one in event["data"]["guarantees"])
     mark = probe.mark()
