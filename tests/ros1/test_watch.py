@@ -88,7 +88,9 @@ def test_two_robots_live_die_and_come_back(world, master, watch):
     world.node(master, "conserta", own, "__ns:=/robot1")
     watch.until(lambda robots: states(robots["/robot1"], "conserta") == ALL, 20.0)
     wanted = [c.state for c in watch.changes if (c.robot, c.id) == ("/robot1", "System_A_G1")]
-    assert wanted[-3:] == ["active", "unknown", "active"] or wanted[-2:] == ["unknown", "active"]
+    # a node that starts may be heard before it knows anything
+    assert wanted[-1] == "active"
+    assert "unknown" in wanted[-3:-1]
 
 
 def test_another_definition_is_not_believed_and_a_master_comes_back(world, tmp_path):
