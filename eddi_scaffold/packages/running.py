@@ -135,7 +135,6 @@ def load(folder: Path, answers: Mapping[str, Any], *, code: bool = True) -> Memb
         return Member(monitor)
     try:
         new = _imported(folder.resolve(), monitor)
-        new()
     except Exception as failure:  # noqa: BLE001 - whatever hand-written code raises
         raise EddiError(problem("I020.code", place, reason=one_line(failure))) from None
     edited = set(written(folder))
@@ -162,6 +161,10 @@ def _imported(folder: Path, monitor: BoundMonitor) -> Callable[[], tuple[Any, An
     finally:
         sys.path.remove(str(place))
         sys.dont_write_bytecode = before
-    if monitor_class().monitor.digest != monitor.facts.digest:
+
+    def new() -> tuple[Any, Any]:
+        return monitor_class(), input_class()
+
+    if new()[0].monitor.digest != monitor.facts.digest:
         raise ImportError("its compiled.py is of another model: run `eddi-scaffold upgrade`")
-    return lambda: (monitor_class(), input_class())
+    return new
