@@ -28,7 +28,7 @@ from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ro
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.platforms import RUNTIME_PACKAGE, VENDORED, Choices, PackageAnswers, runtime_of
-from eddi_scaffold.program.runtime_parts import requirements_of, runtime_parts_of
+from eddi_scaffold.program.runtime_parts import requirements_of
 from eddi_scaffold.regions.package import LINK, entries
 
 _DIAGNOSTICS = {"/diagnostics": "diagnostic_msgs/DiagnosticArray"}
@@ -290,7 +290,7 @@ def monitor_package(
     answers = {**shared_answers(monitor, template, files), **choices}
     packages = {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
     answers["message_packages"] = sorted(packages)
-    answers["system_packages"] = _system_packages(runtime_parts_of(monitor.compiled.text))
+    answers["system_packages"] = _system_packages(answers["parts"])
     answers["message_imports"] = [*imports_of(classes)]
     answers |= node.answers(lambda of: classes.get(of, _in_module(of)), has_qos=is_ros2)
     if is_ros2:
