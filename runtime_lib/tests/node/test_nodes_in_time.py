@@ -162,6 +162,7 @@ def test_what_is_latched_counts_only_when_its_age_is_known(robot):
     latched = "/consertb/guarantees: latched, its age is not known"
     assert (values["RtE_A_D0"], values["RtE_A_D0.reason"]) == ("stale", latched)
     assert values["RtE_A_D0.age_s"] == ""
+    assert values["RtE_A_D0.from"] == "/consertb/guarantees System_A_G0_c2"
     node.receive(B, node.simulator_values["consertb"], 0.25)  # its header has a time
     robot.run(5.25)
     assert node.values()["RtE_A_D0.age_s"] == "0.375"

@@ -205,6 +205,12 @@ class Health:
             of_input = asked.causes.get(spec.id, ()) if state != FRESH else ()
             later = (cause.later(now - asked.at) for cause in of_input)
             causes = [one if one.monitors else self._of_node(one, graph, now) for one in later]
+            topics, claims = self._monitor.topics, dict(spec.claims)
+            whole = [(name, "") for name in spec.requires if name not in claims]
+            sources = [
+                f"{topics.get(name, name)} {claim}".rstrip()
+                for name, claim in (*spec.claims, *whole)
+            ]
             fact = report.InputFact(
                 id=spec.id,
                 state=state,
@@ -214,6 +220,7 @@ class Health:
                 errors=self._errors.get(spec.id, 0),
                 limit=spec.max_age,
                 mistaken=any(cause.state == "type" for cause in causes),
+                sources=", ".join(sources),
             )
             facts.append(fact)
         silent = now - self._last_step
