@@ -71,7 +71,7 @@ class MonitorView:
     accepted: tuple[str, ...]  # what its configuration accepts in place of what is not known
     last: float  # when its last message came
     silent: bool  # it sends nothing any more
-    report: NodeReport | None  # of its node, `None` where none came, or where it is silent
+    report: NodeReport | None  # the last one of its node
 
 
 @dataclass(frozen=True)
@@ -180,7 +180,7 @@ class _Monitor:
             tuple(dict.fromkeys(text for stream in streams for text in stream.accepted)),
             self.last,
             self.is_silent,
-            None if self.is_silent else report,
+            report,
         )
 
 

@@ -126,7 +126,7 @@ def samples_of(snapshot: Snapshot) -> Samples:
             worst("eddi_monitor_silent", float(monitor.silent), *key)
             worst("eddi_monitor_message_age_seconds", snapshot.t - monitor.last, *key)
             report = monitor.report
-            if report is None:
+            if report is None or monitor.silent:
                 continue
             worst("eddi_monitor_longest_step_seconds", report.longest_step, *key)
             worst("eddi_monitor_steps_total", report.steps, *key)

@@ -2,9 +2,12 @@
 
 import os
 import re
+from itertools import pairwise
 
 import pytest
 
+from eddi_scaffold.watch.robot_graph import robot_graph
+from tests.ros1.test_watch import Watch
 from tests.ros1.world import HERE, RUNTIME, until
 
 pytestmark = pytest.mark.ros
@@ -52,9 +55,19 @@ class Robot:
         return self.ear.outputs("/conserta/guarantees/why")[-1]["data"]["claims"][1]
 
 
+def is_joined(robot):
+    """Return whether the graph of a robot leads down from the guarantee to the topic."""
+    graph = robot_graph(robot)
+    heads = {node.id: " ".join(node.lines[:2]) for node in graph.nodes}
+    joined = [(heads[edge.target], heads[edge.source]) for edge in graph.edges]
+    way = ["System_A_G1 unknown", "ConSertA ConSert", "RtE_A_D0 unknown", "System_A_G0_c2 unknown"]
+    return {*pairwise([*way, "ConSertB ConSert", "RtE_A_E0 stale", "/rte/e0b gone"])} <= {*joined}
+
+
 def test_the_sentence_leads_from_a_guarantee_to_the_sensor(world):
     """What is dead, late and of another type two monitors away; and what came again."""
     robot = Robot(world)
+    watch = Watch(robot.master)
     robot.logs(f"missing {CHAIN}: no message yet, ")
     robot.sensor("/rte/e0a")
     dead = robot.sensor("/rte/e0b")
@@ -67,6 +80,8 @@ def test_the_sentence_leads_from_a_guarantee_to_the_sensor(world):
     assert (claim["id"], claim["verdict"]) == ("System_A_G1", 1)
     assert cause["monitors"] == ["ConSertA", "ConSertB"]
     assert (cause["topic"], cause["state"], cause["limit"]) == ("/rte/e0b", 0, 2.0)
+    watch.until(lambda _: is_joined(watch.shown.robots[0]))
+    watch.close()
 
     late = robot.sensor("/rte/e0b")
     robot.says("active")
