@@ -155,8 +155,10 @@ class NodeReport:
     longest_step: float = 0.0  # seconds
 
 
-def reports_of(array: Any, t: float) -> Iterator[NodeReport]:
+def reports_of(array: Any, t: float, prefix: str = "") -> Iterator[NodeReport]:
     """Yield the reports of monitors in a ``diagnostic_msgs/DiagnosticArray``.
+
+    A prefix stands before all names of its graph, where several are watched.
 
     Raises:
         AttributeError, TypeError: it is none.
@@ -165,10 +167,11 @@ def reports_of(array: Any, t: float) -> Iterator[NodeReport]:
         values = {str(value.key): str(value.value) for value in status.values}
         if _OURS not in values:
             continue
+        read = {key: plain(text).split(", ") for key, text in values.items() if key.endswith(_FROM)}
         inputs = [key.removesuffix(_AGE) for key in values if key.endswith(_AGE)]
         yield NodeReport(
             t,
-            node=plain(status.hardware_id),
+            node=plain(f"{prefix}{status.hardware_id}"),
             model=plain(str(status.name).rpartition(": ")[2]),
             message=plain(status.message),
             inputs=tuple(
@@ -176,7 +179,7 @@ def reports_of(array: Any, t: float) -> Iterator[NodeReport]:
                     plain(id_),
                     plain(values.get(id_, "")),
                     _number(values[id_ + _AGE]),
-                    tuple(filter(None, plain(values.get(id_ + _FROM, "")).split(", "))),
+                    tuple(f"{prefix}{source}" for source in read.get(id_ + _FROM, ())),
                 )
                 for id_ in inputs[:MAX_INPUTS]
             ),

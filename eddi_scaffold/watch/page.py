@@ -22,7 +22,7 @@ from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.watch.fleet import RobotView, Snapshot, VerdictView
 from eddi_scaffold.watch.following import CONTENT_TYPE, Clock, metrics_text
-from eddi_scaffold.watch.messages import MAX_VERDICTS, plain
+from eddi_scaffold.watch.messages import MAX_VERDICTS
 from eddi_scaffold.watch.robot_graph import robot_graph
 
 SHOWN_CHANGES = 50
@@ -82,7 +82,7 @@ class View:
 
 def _sentence(verdict: VerdictView) -> str:
     """Return why it does not hold, as its monitor tells it; empty where it does not."""
-    return plain(verdict.why.sentence) if verdict.why is not None and verdict.why.causes else ""
+    return verdict.why.sentence if verdict.why is not None and verdict.why.causes else ""
 
 
 @lru_cache(MAX_VERDICTS)

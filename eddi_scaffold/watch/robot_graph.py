@@ -19,6 +19,8 @@ _LEGEND = (
     LegendEntry("its input", "ellipse", "input"),
     LegendEntry("topic", "hexagon", "neutral"),
 )
+_WORDS = {"type": "wrong type", "offer": "wrong QoS", "never": "no message yet"}
+"""States of causes that a person would not understand as they are."""
 _LONGEST, _MOST_LINES = 26, 4  # of the chain at a claim
 
 
@@ -42,7 +44,7 @@ def robot_graph(robot: RobotView) -> Diagram:
             edges[DiagramEdge(box, node, arrow=False)] = None
             claims.setdefault(monitor.topic, {})[verdict.id] = node
             causes = verdict.why.causes if verdict.why is not None else ()
-            wrong.update((cause.topic, cause.state) for cause in causes)
+            wrong.update((cause.topic, _word(cause.state)) for cause in causes)
     for box, monitor in zip(boxes, robot.monitors, strict=True):
         for one in monitor.report.inputs if monitor.report is not None else ():
             node, is_known = f"input {box} {one.id}", one.state == "ok" and not monitor.silent
@@ -65,10 +67,14 @@ def robot_graph(robot: RobotView) -> Diagram:
     return Diagram(f"Robot {robot.name}", (*nodes.values(),), (*edges,), "up", _LEGEND, text)
 
 
+def _word(state: str) -> str:
+    return _WORDS.get(state, state)
+
+
 def _chain(verdict: VerdictView) -> list[str]:
     """Return the first reason without its times, so that the graph stays while it lasts."""
     for cause in verdict.why.causes[:1] if verdict.why is not None else ():
         links = [f"<-\N{NO-BREAK SPACE}{plain(link)}" for link in cause.path]
-        text = " ".join([*links, f"({cause.state})"])
+        text = " ".join([*links, f"({_word(cause.state)})"])
         return wrap(text, _LONGEST, max_lines=_MOST_LINES, placeholder=" …")
     return []
