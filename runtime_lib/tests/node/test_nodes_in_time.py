@@ -47,6 +47,9 @@ def test_an_input_may_wait_until_the_grace_is_over(robot):
     robot.run(3.0)
     assert node.levels[2:] == [(3.0, OK)]
     assert node.report()[:2] == FINE
+    slow = robot.start("conserta", STARTUP_GRACE=2.0, FREQUENCY=0.25)
+    robot.run(6.0)
+    assert "no message yet, 2.0 s of 2 s to wait" in slow.report().message
 
 
 def test_a_value_that_is_nan_is_not_usable(robot):

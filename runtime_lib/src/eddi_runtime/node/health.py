@@ -157,7 +157,8 @@ class Health:
     def _of_node(self, cause: Cause, graph: GraphFact, now: float) -> Cause:
         if cause.state == "never" and self._waiting:
             began = now if self._first_step is None else self._first_step
-            cause = cause._replace(since=now - began, limit=self._grace).because("waiting")
+            since = min(now - began, self._grace)  # the step that ends it may not have come yet
+            cause = cause._replace(since=since, limit=self._grace).because("waiting")
         return graph.explained(cause)
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
