@@ -74,7 +74,7 @@ def _word(state: str) -> str:
 def _chain(verdict: VerdictView) -> list[str]:
     """Return the first reason without its times, so that the graph stays while it lasts."""
     for cause in verdict.why.causes[:1] if verdict.why is not None else ():
-        links = [f"<-\N{NO-BREAK SPACE}{plain(link)}" for link in cause.path]
-        text = " ".join([*links, f"({_word(cause.state)})"])
+        parts = [*(f"<- {plain(link)}" for link in cause.path), f"({_word(cause.state)})"]
+        text = " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)
         return wrap(text, _LONGEST, max_lines=_MOST_LINES, placeholder=" …")
     return []
