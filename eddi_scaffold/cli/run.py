@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -111,7 +110,6 @@ def recorded(
     code: bool,
 ) -> tuple[list[Member], Recording]:
     """Return what is to be played and the recording; problems, and whose code runs, are printed."""
-    from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.recordings.bags import read_bag
     from eddi_scaffold.recordings.members import read_values
 
@@ -120,9 +118,7 @@ def recorded(
     members, problems = _members(files, workspace, options, code=code)
     without = any(member.monitor.config is None for member in members)
     if inputs is not None:
-        beside = [path for path in (*files, *options["--config"]) if path.is_file()]
-        others = partial(inputs_of_others, beside)
-        members, recording, more = read_values(read_source(inputs), members, others)
+        members, recording, more = read_values(read_source(inputs), members)
         if without:
             hint = "generate the package with -c" if members[0].code else "give it with -c"
             more = [*more, problem("I016", hint=hint)]
