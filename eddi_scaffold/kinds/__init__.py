@@ -36,7 +36,6 @@ JsonValue: TypeAlias = (
     "bool | int | float | str | Sequence[JsonValue] | Mapping[str, JsonValue] | None"
 )
 """What ``json`` reads and writes."""
-JsonObject: TypeAlias = Mapping[str, JsonValue]  # What is written as an object
 
 
 @dataclass(frozen=True)
