@@ -63,7 +63,7 @@ def run(
         why: Print only when and why this claim does not hold: ID, or MONITOR.ID.
         plot: SVG to draw into: inputs and outputs; of several monitors, their verdicts.
     """
-    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.recordings.playing import ROWS, play, played, raising
     from eddi_scaffold.recordings.results import changes, picture, sentences, steps, table
 
@@ -97,7 +97,7 @@ def run(
         title = f"{first.kind.title} {first.model.name}"
         title = title if len(members) == 1 else f"{len(members)} monitors, their verdicts"
         svg = picture(title, play(played(members, rule), recording))
-        write(plot.parent, {plot.name: FileState(svg.encode())})
+        write(plot.parent, {plot.name: svg.encode()})
 
 
 def recorded(
