@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
-from eddi_scaffold.common.claims import Claim, Element, Meaning, Meanings, ValidityField
+from eddi_scaffold.common.claims import Claim, Element
 from eddi_scaffold.common.escaping import markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
@@ -31,32 +31,6 @@ _LEGEND = (
     LegendEntry("verdict", "hexagon", "output"),
 )
 _PERIODS = 10  # Steps without a sample after which a window is too old, unless `max_age` is given
-
-
-_IN_SCOPE, _VERDICT = "`from: MONITOR.in_scope`", (("omission", False),)
-_OMISSION = Meaning(
-    (True,), refused="an omission is also silence", instead=f"NOT of it, or {_IN_SCOPE}"
-)
-_VIOLATION = Meaning(
-    refused="`odd_violation` has no meaning while there is no verdict",
-    instead=f"{_IN_SCOPE}, or `NOT omission` with it",
-    known=_VERDICT,
-)
-MEANINGS: dict[str, dict[str, Meaning]] = {
-    message: {
-        "omission": _OMISSION,
-        "odd_violation": replace(
-            _VIOLATION, valid_where=(ValidityField(message, "omission", value=False),)
-        ),
-    }
-    for message in ("SafeMLOutput", "SafeMLStatus")
-}
-MEANINGS["SafeMLStatus"]["in_scope"] = Meaning(
-    (False,),
-    refused="`in_scope` is false also when there is no verdict",
-    instead="`NOT omission AND odd_violation`: known to be a violation",
-    known=_VERDICT,
-)
 
 
 @dataclass(frozen=True)
@@ -87,10 +61,6 @@ class SafeMLModel(Model):
         files, problems = settings_of_eddi(document, source)
         models = (cls(of.model or "", part, of.place, data=file) for of, part, file in files)
         return ReadResult(tuple(models), tuple(problems))
-
-    @classmethod
-    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return MEANINGS
 
     def check(self) -> Sequence[Problem]:
         return self._planned[1]
