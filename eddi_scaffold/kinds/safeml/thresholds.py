@@ -189,8 +189,9 @@ def smallest_window(metric: Metric, n: int, level: float, most: int = 2000) -> i
 
 
 _TABLE = Path(__file__).with_name("quantiles.txt").read_text("utf-8").splitlines()[1:]
-_LEVELS, *_UPPER = zip(*(map(float, row.split()) for row in _TABLE), strict=True)
-_QUANTILES = dict(zip(("cvm", "ad"), _UPPER, strict=True))
+_ROWS = [[float(cell) for cell in row.split()] for row in _TABLE]
+_LEVELS = [level for level, *_ in _ROWS]
+_QUANTILES = {metric: [row[k] for row in _ROWS] for k, metric in enumerate(("cvm", "ad"), 1)}
 _SLOPES = {"cvm": 2.0 / math.pi**2, "ad": 1.0}
 """Growth of the quantile per unit of -ln(level) beyond the table, on the safe side."""
 
