@@ -27,7 +27,7 @@ def example(name: str, folder: Annotated[Path | None, typer.Argument()] = None) 
         name: Name of the example; `list` prints them.
         folder: New folder for its files.
     """
-    from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState, write
+    from eddi_scaffold.packages.transaction import write
 
     names = list(described())
     if name == "list":
@@ -45,11 +45,12 @@ def example(name: str, folder: Annotated[Path | None, typer.Argument()] = None) 
     folder = _examples() / name
     paths = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*")}
     files = {
-        name: FileState(path.read_bytes(), NEW_PROGRAM if os.access(path, os.X_OK) else NEW)
+        name: path.read_bytes()
         for name, path in paths.items()
         if path.is_file() and not name.startswith("expected/") and "__pycache__/" not in name
     }
-    write(target, files)
+    programs = {name for name in files if os.access(paths[name], os.X_OK)}
+    write(target, files, programs=programs)
     for file in sorted(files):
         console.data(str(target / file))
     console.say(f"next: read {target / 'README.md'}")

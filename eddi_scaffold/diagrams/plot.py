@@ -10,7 +10,7 @@ from operator import itemgetter
 from typing import Literal
 
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.diagrams.svg import document
+from eddi_scaffold.diagrams.svg import DRAWING, document
 
 Value = bool | int | float | str | None  # `None` is unknown
 
@@ -101,17 +101,6 @@ _LEGEND = {
     False: "known not to hold, false",
     None: "unknown, which counts as not",
 }
-_STYLE = (
-    "text{font:12px sans-serif;fill:#1f2933}.small{font-size:10px;fill:#52606d}"
-    ".reason{font-size:10px}"
-    ".title{font-size:15px;font-weight:bold}.group{font-weight:bold}"
-    ".grid{stroke:#e4e7eb;stroke-width:1}.line{fill:none;stroke:#1f5f99;stroke-width:1.5}"
-)
-_HATCH = (
-    '<defs><pattern id="unknown" width="6" height="6" patternUnits="userSpaceOnUse" '
-    'patternTransform="rotate(45)"><rect width="6" height="6" fill="#fff4d6"/>'
-    '<rect width="2" height="6" fill="#e0a100"/></pattern></defs>'
-)
 _DECADES, _LEAST = 1e3, 1e-15
 """How far probabilities span before their axis is logarithmic, and the least of the highest."""
 _LEAST_SHOWN = 10  # characters of a reason below a bar
@@ -135,8 +124,7 @@ def plot(title: str, tracks: Sequence[Track]) -> str:
         body += (_line if track.form == "number" else _bands)(track, y, height, span)
         y += height + _GAP + (_REASON if any(track.reasons) else 0)
     body = [_text(12, 24, title, "title"), *_grid(span, y), *body, *_legend(y + 40)]
-    style = f"<style>{_STYLE}</style>{_HATCH}"
-    return document(xml_text(title), f"{_WIDTH}", f"{y + 56}", [style], body)
+    return document(xml_text(title), f"{_WIDTH}", f"{y + 56}", [DRAWING["plot"]], body)
 
 
 def _bands(track: Track, y: int, height: int, span: Span) -> Iterable[str]:

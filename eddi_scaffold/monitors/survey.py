@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -133,22 +132,6 @@ def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
     if not ours:
         raise EddiError(problem("F003.folder", Place(str(folder))))
     return ours, others
-
-
-def inputs_of_others(configs: Sequence[Path]) -> dict[str, str]:
-    """Return the inputs of other configurations in the folders of some: id -> how to run both."""
-    advice: dict[str, str] = {}
-    for folder in dict.fromkeys(path.parent for path in configs):
-        for path in sorted(folder.iterdir()):
-            if path in configs or path.suffix.lower() not in YAML_SUFFIXES or not path.is_file():
-                continue
-            with suppress(EddiError):
-                for config in read_file(read_source(path))[0]:
-                    monitor = config.config.Model.id
-                    text = f"it is an input of {monitor}: run both, with -c {path}"
-                    for entry in config.config.EDDIInputs:
-                        advice.setdefault(entry.id, text)
-    return advice
 
 
 def _is_ours(path: Path) -> bool:

@@ -24,8 +24,6 @@ from tests.cli.command import ROOT, run
 from tests.contract.stages import DdsStage, environment, free_domain
 from tests.diagnosed import assert_reported
 
-BOOL = "std_msgs/Bool"
-
 
 @pytest.fixture(scope="module")
 def stage(tmp_path_factory):
