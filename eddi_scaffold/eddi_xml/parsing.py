@@ -122,13 +122,12 @@ def load(
     return document, [problem("X006.prefix", place, prefix=prefix) for prefix in undeclared]
 
 
-def new_element(
-    tag: str, parent: Element | None = None, namespaces: Mapping[str, str] | None = None
-) -> Element:
+def new_element(tag: str, parent: Element | None, attributes: Mapping[str, str]) -> Element:
     """Return a new element, the last child of its parent."""
+    element = etree.Element(tag, dict(attributes))
     if parent is not None:
-        return etree.SubElement(parent, tag)
-    return etree.Element(tag, nsmap=dict(namespaces or {}))
+        parent.append(element)
+    return element
 
 
 def line_of(element: Element) -> int | None:

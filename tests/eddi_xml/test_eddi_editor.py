@@ -1,0 +1,168 @@
+"""Files of EDDI-Editor: the same models as from EMF, one event where copies are meant."""
+
+import os
+import re
+import subprocess
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import has_errors
+from eddi_scaffold.eddi_xml.document import read_document
+from eddi_scaffold.eddi_xml.parsing import select
+from eddi_scaffold.eddi_xml.survey import survey
+from eddi_scaffold.kinds import Model, ReadResult
+from eddi_scaffold.kinds.reliability.lowering import lower_tree
+from eddi_scaffold.kinds.reliability.system import FaultTree, Law
+from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.monitors.loading import read_models
+from tests.data_files import ABSENT, tabled
+
+DATA = Path(__file__).parents[1] / "data" / "state_machines"
+EXPECTED = yaml.safe_load((DATA / "eddi_editor_expected.yml").read_text("utf-8"))["files"]
+REPOSITORY = os.environ.get("EDDI_EDITOR_REPOSITORY", "")
+"""The git directory of EDDI-Editor with the commit below; nothing of it is part of the project."""
+COMMIT = "8cc49bb8"
+
+
+@cache
+def public(file: str) -> Source:
+    """Return a file of EDDI-Editor's repository, or skip the test where that is absent."""
+    if not Path(REPOSITORY, "objects").is_dir():
+        pytest.skip(f"{ABSENT}: set EDDI_EDITOR_REPOSITORY to a git directory of EDDI-Editor")
+    command = ["git", "-C", REPOSITORY, "show", f"{COMMIT}:{file}"]
+    return Source(file, subprocess.run(command, check=True, capture_output=True).stdout)
+
+
+def reported(reading: ReadResult) -> list[str]:
+    return [
+        f"{p.place.line}{f':{p.place.col}' if p.place.col else ''} {p.case} {p.message}"
+        for p in reading.problems
+        if not p.case.startswith("R004")  # rates have no unit in these files
+    ]
+
+
+def tree_of(model: Model) -> FaultTree:
+    content = model.data.components[model.data.top].content
+    assert isinstance(content, FaultTree)
+    return content
+
+
+def p_fail(model: Model, hours: float) -> float:
+    return at_start(replace(model.data, horizon=float(hours))).p_fail
+
+
+def cut_sets(model: Model) -> set[frozenset[str]]:
+    tree = tree_of(model)
+    law = Law("exponential", (1.0,))  # where the file has none
+    events = {name: replace(event, law=event.law or law) for name, event in tree.events.items()}
+    lowered = lower_tree(model.name, replace(tree, events=events))
+    sets = lowered.all_cut_sets({})
+    assert sets is not None
+    return {frozenset(lowered.events[i].name for i in one) for one in sets}
+
+
+def test_the_same_tree_as_from_emf() -> None:
+    (ours,) = read_models(read_source(DATA / "pumps.id.xml")).models
+    (emf,) = read_models(read_source(DATA / "pumps.emf.xml")).models
+    assert ours.data == emf.data
+    assert (ours.name, ours.place.line, emf.place.line) == ("No_flow", 10, 22)
+
+
+def test_a_basic_event_in_two_places_is_one_event() -> None:
+    """Each place has an element with an Id of its own: as events of their own 3.5 times less."""
+    (model,) = read_models(read_source(DATA / "pumps.id.xml")).models
+    assert len(tree_of(model).events) == 4  # of five elements
+    assert cut_sets(model) == {
+        frozenset({"Plant::Valve.stuck"}),
+        frozenset({"Plant::Power.lost"}),
+        frozenset({"Plant::PumpA.stopped", "Plant::PumpB.stopped"}),
+    }
+    for hours, expected in (
+        (1, 6.0058181439207056e-05),
+        (10, 0.000605801468034774),
+        (100, 0.006563752798523909),
+        (1000, 0.10248115197421756),
+    ):
+        assert p_fail(model, hours) == pytest.approx(expected, rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize("case", EXPECTED, ids=lambda case: Path(case["file"]).stem)
+def test_public_trees(case: dict[str, Any]) -> None:
+    source = public(case["file"])
+    assert source.sha256 == case["sha256"]
+    reading = read_models(source)
+    if not case.get("read", True):
+        assert [p.case for p in reading.problems] == ["F003.root"]  # F003.other by its first bytes
+        return
+    assert not has_errors(reading.problems)
+    if not case["fault_trees"]:
+        assert not reading.models
+        return
+    model = reading.models[-1]
+    tree = tree_of(model)
+    assert (len(tree.gates), len(tree.events)) == (case["gates"], case["basic_events"])
+    ids = dict(re.findall(rb'<Failure Id="(\d+)" name="([^"]*)" originType="Internal"', source.data))
+    names = {int(id_): name.decode() for id_, name in ids.items()}
+    if case["rates"]:
+        expected = {names[id_]: rate for id_, rate in case["rates"].items()}
+        laws = {name: event.law for name, event in tree.events.items()}
+        assert {name: law.values[0] for name, law in laws.items() if law} == expected
+        assert {frozenset(names[i] for i in one) for one in case["cut_sets"]} == cut_sets(model)
+        assert not [p for p in model.check() if p.code == "R013"]  # those that the file states
+    else:
+        assert sorted(map(len, cut_sets(model))) == sorted(map(len, case["cut_sets"]))
+    for hours, expected in case.get("p", {}).items():
+        assert p_fail(model, hours) == pytest.approx(expected, rel=1e-12, abs=0)
+    if "stated" in case:
+        stated = case["stated"]
+        assert f"{p_fail(model, stated['agrees_at']):.6g}" == str(stated["unavailability"])
+
+
+@tabled
+def test_public_counts(
+    file: str, systems: int, failures: int, tree: list[int], machine: list[int], actions: int
+) -> None:
+    source = public(file)
+    document, problems = read_document(source)
+    assert document is not None
+    assert not has_errors(problems)
+    counts = [model["counts"] for model in survey(document)["models"]]
+    trees = [c for c in counts if "gates" in c]
+    assert [[c["gates"], c["basic_events"]] for c in trees] == ([tree] if tree else [])
+    texts = {text for root in document.roots for text in select(root, "*/events/@condition")}
+    machines = [[c["states"], c["transitions"]] for c in counts if "transitions" in c]
+    triggers = sum(len(select(root, "*/events")) for root in document.roots)
+    assert [[*m, triggers, len(texts)] for m in machines] == ([machine] if machine else [])
+    root = document.roots[0]
+    assert len(select(root, "descendant::systems | descendant::subSystems")) == systems
+    assert len(select(root, "descendant::failures | descendant::hazards")) == failures
+    uses = " ".join(select(root, "descendant::states/@onEntry | descendant::states/@onExit"))
+    assert len(uses.split()) == actions
+
+
+@tabled
+def test_problems(file: str, old: str, new: str, expected: list[str]) -> None:
+    text = (DATA / file).read_text("utf-8")
+    assert old in text
+    reading = read_models(Source(file, text.replace(old, new, 1).encode()))
+    assert reported(reading) == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['{"states": [', "{// x\n", '/* {"states": 1}', '{"states": ' + "[" * 100, '{"states" 1}', "[]"],
+)
+def test_json_that_is_cut_off_or_deep(text: str) -> None:
+    reading = read_models(Source("m.json", f'{text}\n"states":'.encode()))
+    assert [p.case for p in reading.problems] == ["X001.json"]
+
+
+def test_hip_hops_has_the_same_root() -> None:
+    data = b"<Model><Name>x</Name><Perspectives/></Model>"
+    assert [p.case for p in read_models(Source("m.xml", data)).problems] == ["F003.other"]
