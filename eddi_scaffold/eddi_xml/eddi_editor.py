@@ -7,7 +7,7 @@ and its name, a state by its name in its machine; a basic event is its failure.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
@@ -102,7 +102,7 @@ class _Converter:
         self.similar: dict[Element | None, SimilarNames] = {}  # states of machines
         self.contents: dict[Element, object] = {}  # of declarations
         # object, what it became, the failure model that it is in
-        self.waiting: list[tuple[Element, Element, Element | None]] = []
+        self.waiting: deque[tuple[Element, Element, Element | None]] = deque()
         self._survey(model)
         self.root = new_element(_ROOT, None, {})
         self.origins[self.root] = self.place(model)
@@ -139,7 +139,8 @@ class _Converter:
             tag, name, parent = feature_of(element), element.get("name") or "", element.getparent()
             is_item = parent is not None and _is_list(parent)
             if tag not in _KNOWN or (is_item and tag not in _TAGS["items"]):
-                case = "X011.no_element" if is_item else "X006.no_element"
+                is_lost = is_item or (parent is not None and feature_of(parent) == "FaultTree")
+                case = "X011.no_element" if is_lost else "X006.no_element"
                 strange.setdefault((case, tag), []).append(element)
             elif tag == "State" and parent is not None and feature_of(parent) == "States":
                 for machine in (parent.getparent(), None):
@@ -191,15 +192,13 @@ class _Converter:
     def _convert(self) -> None:
         """Take over what is waiting; no recursion, because models may be as deep as files."""
         while self.waiting:
-            source, target, model = self.waiting.pop()
-            before = len(self.waiting)
+            source, target, model = self.waiting.popleft()
             for name, value in source.attrib.items():
                 is_left_out = name == "Id" or (name, value) == ("isNegated", "false")
                 if not (str(name).startswith("{") or is_left_out):
                     target.set(name, value)
             for child in source:
                 self._feature(child, target, model)
-            self.waiting[before:] = reversed(self.waiting[before:])
 
     def _feature(self, child: Element, target: Element, model: Element | None) -> None:
         tag = feature_of(child)

@@ -107,7 +107,7 @@ def test_public_trees(case: dict[str, Any]) -> None:
     model = reading.models[-1]
     tree = tree_of(model)
     assert (len(tree.gates), len(tree.events)) == (case["gates"], case["basic_events"])
-    ids = dict(re.findall(rb'<Failure Id="(\d+)" name="([^"]*)" originType="Internal"', source.data))
+    ids = dict(re.findall(rb'<Failure Id="(\d+)" name="([^"]*)" originType="Int', source.data))
     names = {int(id_): name.decode() for id_, name in ids.items()}
     if case["rates"]:
         expected = {names[id_]: rate for id_, rate in case["rates"].items()}
@@ -146,18 +146,41 @@ def test_public_counts(
     assert len(uses.split()) == actions
 
 
-@tabled
-def test_problems(file: str, old: str, new: str, expected: list[str]) -> None:
+def edited(file: str, edits: dict[str, str]) -> bytes:
     text = (DATA / file).read_text("utf-8")
-    assert old in text
-    reading = read_models(Source(file, text.replace(old, new, 1).encode()))
-    assert reported(reading) == expected
+    for old, new in edits.items():
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text.encode()
 
 
-@pytest.mark.parametrize(
-    "text",
-    ['{"states": [', "{// x\n", '/* {"states": 1}', '{"states": ' + "[" * 100, '{"states" 1}', "[]"],
-)
+@tabled
+def test_problems(file: str, edits: dict[str, str], expected: list[str]) -> None:
+    assert reported(read_models(Source(file, edited(file, edits)))) == expected
+
+
+@tabled
+def test_laws(type_: str, first: str, second: str, kind: str, value: float) -> None:
+    """Laws as the converter from HiP-HOPS writes them; rates are per hour."""
+    edits = {
+        'type="Constant"': f'type="{type_}"',
+        'name="Failure Rate" value="0.0002"': first,
+        'name="Repair Rate" value="0"': second,
+    }
+    (model,) = read_models(Source("pumps.id.xml", edited("pumps.id.xml", edits))).models
+    assert tree_of(model).events["Plant::PumpA.stopped"].law == Law(kind, (value,))
+
+
+def test_the_worse_of_two_rates_counts() -> None:
+    """Each element of an event holds its rate again; in one of them it was changed."""
+    for rate in ("1E-05", "0.5"):
+        data = edited("pumps.id.xml", {"5E-05": rate})
+        (model,) = read_models(Source("pumps.id.xml", data)).models
+        expected = Law("exponential", (max(float(rate), 5e-5),))
+        assert tree_of(model).events["Plant::Power.lost"].law == expected
+
+
+@tabled
 def test_json_that_is_cut_off_or_deep(text: str) -> None:
     reading = read_models(Source("m.json", f'{text}\n"states":'.encode()))
     assert [p.case for p in reading.problems] == ["X001.json"]
