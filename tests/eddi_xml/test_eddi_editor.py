@@ -3,6 +3,7 @@
 import os
 import re
 import subprocess
+from copy import deepcopy
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,6 +11,9 @@ from typing import Any
 
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from lxml import etree
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import has_errors
@@ -184,6 +188,30 @@ def test_the_worse_of_two_rates_counts() -> None:
 def test_json_that_is_cut_off_or_deep(text: str) -> None:
     reading = read_models(Source("m.json", f'{text}\n"states":'.encode()))
     assert [p.case for p in reading.problems] == ["X001.json"]
+
+
+@given(st.integers(0, 10_000), st.sampled_from(["remove", "rename", "twice", "bare", "moved"]))
+def test_a_changed_element_gives_models_or_says_where(number: int, change: str) -> None:
+    root = etree.fromstring((DATA / "pumps.id.xml").read_bytes())
+    elements = list(root.iter())[1:]
+    element = elements[number % len(elements)]
+    parent = element.getparent()
+    assert parent is not None
+    match change:
+        case "remove":
+            parent.remove(element)
+        case "rename":
+            element.tag = f"{element.tag}x"
+        case "twice":
+            parent.append(deepcopy(element))
+        case "bare":
+            element.attrib.clear()
+        case "moved":
+            root.append(element)
+    reading = read_models(Source("m.xml", etree.tostring(root)))
+    problems = [*reading.problems, *reading.unread]
+    assert all(p.place.line for p in problems)
+    assert reading.models or problems or not list(root.iter("FaultTree", "StateMachine"))
 
 
 def test_hip_hops_has_the_same_root() -> None:
