@@ -120,6 +120,7 @@ class EventMonitor(ConditionMonitor[Rows]):
     _jumped: int | None = None  # time before the clock went back
 
     def __init__(self) -> None:
+        self.hazards = frozenset([event.id for event in self.events if event.hazard])
         self.reset()
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:

@@ -1,8 +1,8 @@
-"""A state machine as ``compiled.py`` declares it."""
+"""A state machine as ``compiled.py`` declares it, and what a step of its monitor gives."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Mapping, NamedTuple
 
 
 class Action(NamedTuple):
@@ -58,3 +58,59 @@ class Evidence(NamedTuple):
     id: str
     states: tuple[int, ...]  # numbers; of ``not_in`` all others
     hold: int = 0  # nanoseconds
+
+
+class StateMachine:
+    """What the class ``Monitor`` of a compiled state machine declares."""
+
+    states: tuple[State, ...]  # in the order of the model
+    actions: tuple[Action, ...] = ()
+    triggers: tuple[Trigger, ...] = ()
+    transitions: tuple[Transition, ...] = ()  # of each state in the order in which they are tried
+    evidence: tuple[Evidence, ...] = ()
+    observe: tuple[tuple[int, Trigger], ...] = ()  # state, and what excludes it when FALSE
+    reset_by: Trigger | None = None
+    start = "initial"  # in these states, or ``unknown``: in any
+    max_gap: int  # nanoseconds between two steps in which nothing can be missed
+
+
+class RaisedAction(NamedTuple):
+    """An action of one step, as a method of the ``actions`` object gets it."""
+
+    state: str
+    moment: str  # ``entry`` or ``exit``
+    kind: str  # ``function``, ``message`` or ``warning``
+    text: str
+    target: str
+    priority: int
+    certain: bool  # it is performed, once; else it may have been due
+
+    @property
+    def function(self) -> str:
+        """What to call: ``CALL`` of ``TARGET=CALL``."""
+        return self.text.split("=")[1] if self.target and "=" in self.text else self.text
+
+
+class StateMachineOutput(NamedTuple):
+    """The result of one step; the fields are those of the message."""
+
+    id: str
+    state: str  # empty while several are possible
+    possible: tuple[str, ...]  # in the order of the model
+    failed: int  # FALSE 0, UNKNOWN 1, TRUE 2
+    # for which it has at least been in the state; of several, since their set changed
+    since_seconds: float
+    in_state: Mapping[str, int]  # state -> verdict
+    evidence: Mapping[str, bool]
+    raised: tuple[RaisedAction, ...]
+    unknown_inputs: tuple[str, ...]
+    reasons: tuple[str, ...]
+
+    def without_claims(self, reason: str) -> StateMachineOutput:
+        return self._replace(
+            failed=max(self.failed, 1),
+            in_state=dict.fromkeys(self.in_state, 1),
+            evidence=dict.fromkeys(self.evidence, False),
+            raised=(),
+            reasons=(*self.reasons, reason),
+        )
