@@ -25,11 +25,12 @@ from eddi_scaffold.kinds.reliability.lowering import lower_tree
 from eddi_scaffold.kinds.reliability.system import FaultTree, Law
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
-from tests.data_files import ABSENT, tabled
+from tests.data_files import ABSENT, FOREIGN, ORACLES, tabled
 
-DATA = Path(__file__).parents[1] / "data" / "state_machines"
+DATA = ORACLES / "state_machines"
 EXPECTED = yaml.safe_load((DATA / "eddi_editor_expected.yml").read_text("utf-8"))["files"]
-REPOSITORY = os.environ.get("EDDI_EDITOR_REPOSITORY", "")
+MIRROR = Path(".mirror", "Dependable-Intelligent-Systems-Lab+EDDI-Editor", "repo")
+REPOSITORY = Path(os.environ.get("EDDI_EDITOR_REPOSITORY", FOREIGN.parents[1] / MIRROR))
 """The git directory of EDDI-Editor with the commit below; nothing of it is part of the project."""
 COMMIT = "8cc49bb8"
 
@@ -37,9 +38,9 @@ COMMIT = "8cc49bb8"
 @cache
 def public(file: str) -> Source:
     """Return a file of EDDI-Editor's repository, or skip the test where that is absent."""
-    if not Path(REPOSITORY, "objects").is_dir():
+    if not (REPOSITORY / "objects").is_dir():
         pytest.skip(f"{ABSENT}: set EDDI_EDITOR_REPOSITORY to a git directory of EDDI-Editor")
-    command = ["git", "-C", REPOSITORY, "show", f"{COMMIT}:{file}"]
+    command = ["git", "-C", str(REPOSITORY), "show", f"{COMMIT}:{file}"]
     return Source(file, subprocess.run(command, check=True, capture_output=True).stdout)
 
 
@@ -57,6 +58,11 @@ def tree_of(model: Model) -> FaultTree:
     return content
 
 
+def tree_model(source: Source) -> Model:
+    (model,) = [m for m in read_models(source).models if m.kind == "reliability"]
+    return model
+
+
 def p_fail(model: Model, hours: float) -> float:
     return at_start(replace(model.data, horizon=float(hours))).p_fail
 
@@ -71,16 +77,22 @@ def cut_sets(model: Model) -> set[frozenset[str]]:
     return {frozenset(lowered.events[i].name for i in one) for one in sets}
 
 
-def test_the_same_tree_as_from_emf() -> None:
-    (ours,) = read_models(read_source(DATA / "pumps.id.xml")).models
-    (emf,) = read_models(read_source(DATA / "pumps.emf.xml")).models
-    assert ours.data == emf.data
-    assert (ours.name, ours.place.line, emf.place.line) == ("No_flow", 10, 22)
+@pytest.mark.parametrize("file", sorted(path.name for path in DATA.glob("*.[ij][ds]*")))
+def test_the_same_models_as_from_emf(file: str) -> None:
+    """Names, flags, order, actions, triggers; what triggers mean; trees with their laws."""
+    ours = {m.kind: m for m in read_models(read_source(DATA / file)).models}
+    name = file.partition(".")[0]
+    emf = {m.kind: m for m in read_models(read_source(DATA / f"{name}.emf.xml")).models}
+    assert {kind: (m.name, m.data) for kind, m in ours.items()} == {
+        kind: (m.name, m.data) for kind, m in emf.items()
+    }
+    assert ours.keys() == {"state_machine"} | ({"reliability"} if name == "pumps" else set())
+    assert all(m.place.line for m in ours.values())
 
 
 def test_a_basic_event_in_two_places_is_one_event() -> None:
     """Each place has an element with an Id of its own: as events of their own 3.5 times less."""
-    (model,) = read_models(read_source(DATA / "pumps.id.xml")).models
+    model = tree_model(read_source(DATA / "pumps.id.xml"))
     assert len(tree_of(model).events) == 4  # of five elements
     assert cut_sets(model) == {
         frozenset({"Plant::Valve.stuck"}),
@@ -105,10 +117,11 @@ def test_public_trees(case: dict[str, Any]) -> None:
         assert [p.case for p in reading.problems] == ["F003.root"]  # F003.other by its first bytes
         return
     assert not has_errors(reading.problems)
-    if not case["fault_trees"]:
-        assert not reading.models
+    trees = [model for model in reading.models if model.kind == "reliability"]
+    assert len(trees) == case["fault_trees"]
+    if not trees:
         return
-    model = reading.models[-1]
+    model = trees[-1]
     tree = tree_of(model)
     assert (len(tree.gates), len(tree.events)) == (case["gates"], case["basic_events"])
     ids = dict(re.findall(rb'<Failure Id="(\d+)" name="([^"]*)" originType="Int', source.data))
@@ -171,7 +184,7 @@ def test_laws(type_: str, first: str, second: str, kind: str, value: float) -> N
         'name="Failure Rate" value="0.0002"': first,
         'name="Repair Rate" value="0"': second,
     }
-    (model,) = read_models(Source("pumps.id.xml", edited("pumps.id.xml", edits))).models
+    model = tree_model(Source("pumps.id.xml", edited("pumps.id.xml", edits)))
     assert tree_of(model).events["Plant::PumpA.stopped"].law == Law(kind, (value,))
 
 
@@ -179,7 +192,7 @@ def test_the_worse_of_two_rates_counts() -> None:
     """Each element of an event holds its rate again; in one of them it was changed."""
     for rate in ("1E-05", "0.5"):
         data = edited("pumps.id.xml", {"5E-05": rate})
-        (model,) = read_models(Source("pumps.id.xml", data)).models
+        model = tree_model(Source("pumps.id.xml", data))
         expected = Law("exponential", (max(float(rate), 5e-5),))
         assert tree_of(model).events["Plant::Power.lost"].law == expected
 
@@ -212,6 +225,19 @@ def test_a_changed_element_gives_models_or_says_where(number: int, change: str) 
     problems = [*reading.problems, *reading.unread]
     assert all(p.place.line for p in problems)
     assert reading.models or problems or not list(root.iter("FaultTree", "StateMachine"))
+
+
+def test_triggers_of_a_public_machine_are_causes_of_its_tree() -> None:
+    (machine,) = (
+        m
+        for m in read_models(public("SESAME_Sim/ode_simple_drone_3.xml")).models
+        if m.kind == "state_machine"
+    )
+    texts = {trigger.text for trigger in machine.data.triggers}
+    assert machine.data.causes.keys() == texts
+    basic = {name for gate in machine.data.gates.values() for name in gate.of}
+    assert len(basic - machine.data.gates.keys()) == 3
+    assert len(machine.inputs()) == 3
 
 
 def test_hip_hops_has_the_same_root() -> None:

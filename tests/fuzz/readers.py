@@ -263,7 +263,7 @@ def _shorten(path: Path, lines: int) -> None:
 
 
 def _of_eddi_editor() -> list[Sample]:
-    folder = ROOT / "tests" / "data" / "state_machines"
+    folder = ORACLES / "state_machines"
     return [Sample(name, (folder / name).read_bytes()) for name in ("pumps.id.xml", "duo.json")]
 
 
