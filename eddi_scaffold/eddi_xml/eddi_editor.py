@@ -262,9 +262,9 @@ class _Converter:
         is_machine = model is not None and _class_of(model) == "StateMachine"
         machine, name = model if is_machine else None, copy.get("name") or ""
         states = self.states.get((machine, name), [])
+        self.links[owner, feature] += states[:1]
         if len(states) == 1:
             self._compare(states[0], copy)
-            self.links[owner, feature].append(states[0])
             return
         if machine not in self.similar:
             known = [key for of, key in self.states if of is machine]
