@@ -37,7 +37,7 @@ def is_machine(source: Source) -> bool:
     if not source.name.lower().endswith(".json"):
         return False
     with source.open() as stream:
-        return re.search(rb'"(?:states|transitions)"\s*:', stream.read(HEAD_BYTES)) is not None
+        return re.search(rb'"(?:states|transitions)"\s*:\s*\[', stream.read(HEAD_BYTES)) is not None
 
 
 def read_machine(source: Source) -> tuple[Element | None, dict[Element, Place], list[Problem]]:

@@ -199,7 +199,7 @@ def test_the_worse_of_two_rates_counts() -> None:
 
 @tabled
 def test_json_that_is_cut_off_or_deep(text: str) -> None:
-    reading = read_models(Source("m.json", f'{text}\n"states":'.encode()))
+    reading = read_models(Source("m.json", f'{text}\n"states": ['.encode()))
     assert [p.case for p in reading.problems] == ["X001.json"]
 
 
