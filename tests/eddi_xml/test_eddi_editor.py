@@ -25,7 +25,7 @@ from eddi_scaffold.kinds.reliability.lowering import lower_tree
 from eddi_scaffold.kinds.reliability.system import FaultTree, Law
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
-from tests.data_files import ABSENT, FOREIGN, ORACLES, tabled
+from tests.data_files import ABSENT, FOREIGN, ORACLES, data_text, tabled
 
 DATA = ORACLES / "state_machines"
 EXPECTED = yaml.safe_load((DATA / "eddi_editor_expected.yml").read_text("utf-8"))["files"]
@@ -106,6 +106,16 @@ def test_a_basic_event_in_two_places_is_one_event() -> None:
         (1000, 0.10248115197421756),
     ):
         assert p_fail(model, hours) == pytest.approx(expected, rel=1e-12, abs=0)
+
+
+def test_what_a_tree_may_hold() -> None:
+    """A vote, a state of a chain in its `SubModels`, cut sets; a list that says the tree again."""
+    reading = read_models(Source("m.xml", data_text("eddi_xml/eddi_editor.xml").encode()))
+    assert not reported(reading)
+    tree, chain = reading.models
+    assert tree.outline()[-3:] == ["    x  model M", "    y  p 0.1", "    z  p 0.2"]
+    assert chain.name == "M"
+    assert [p.case for p in tree.check() if p.code == "R013"] == ["R013.cut_sets_differ"]
 
 
 @pytest.mark.parametrize("case", EXPECTED, ids=lambda case: Path(case["file"]).stem)
