@@ -143,8 +143,10 @@ def _is_ours(path: Path) -> bool:
     if named_like_mros(source.name) or any(kind.recognises(source) for kind in kinds().values()):
         return True
     if is_xml(source):
-        document, _ = read_document(source)
-        return document is None or foreign(document) is None
+        document, problems = read_document(source)
+        if document is None:
+            return all(each.case != "F003.other" for each in problems)
+        return foreign(document) is None
     if source.name.lower().endswith(YAML_SUFFIXES):
         return is_config(source) or is_fleet(source) or read_map(source, "K001")[0] is None
     return False

@@ -235,6 +235,7 @@ class ReplayedNode:
         fleet: Fleet | None = None,
     ) -> None:
         self._running = running
+        running.deferred = True  # what a robot did is not done again
         self._execute = step or running.execute_step
         self._eddi_input = understood(eddi_input, running.inputs)
         for spec in running.inputs:

@@ -222,6 +222,7 @@ def _config(folder: Path) -> Made:
         ("rover-events/eddi_config.yml", "Rover.yml"),
         ("motor-watch/motor_config.yml", "motor_watch.events"),
         ("safeml/perception_config.yml", "safeml_config.yml"),
+        ("shuttle/shuttle_config.yml", "shuttle.xml"),
     ):
         path = EXAMPLES / name
         place = folder / path.parent.name
@@ -259,6 +260,11 @@ def _drafted(topics: Sequence[RobotTopic], name: str) -> Draft:
 
 def _shorten(path: Path, lines: int) -> None:
     path.write_bytes(b"\n".join(path.read_bytes().split(b"\n")[:lines]))
+
+
+def _of_eddi_editor() -> list[Sample]:
+    folder = ORACLES / "state_machines"
+    return [Sample(name, (folder / name).read_bytes()) for name in ("pumps.id.xml", "duo.json")]
 
 
 def _reliability() -> list[Sample]:
@@ -504,11 +510,12 @@ def _files(*folders: Path) -> Iterator[Path]:
 _MAKERS: dict[str, Callable[[Path], Made]] = {
     "EDDI XML": _models(
         "two-conserts/two_conserts.xml", "drone/drone.xml", "pedestrian/pedestrian.xml",
-        oracles="bn/eddi_pedestrian_fig12.xml",
+        "shuttle/shuttle.xml", oracles="bn/eddi_pedestrian_fig12.xml",
     ),
     "EDDI with maps": _models(
         *(f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards", "scope"))
     ),
+    "EDDI-Editor": _models(more=_of_eddi_editor),
     "EDDI written": _written,
     "ConSert YAML": _models(
         "robot-models/Rover.yml", "rover-events/Rover.yml", "motor-watch/drive.yml"

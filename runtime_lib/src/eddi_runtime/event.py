@@ -9,7 +9,7 @@ from . import monitor
 from .expressions import Conditions, reduced, scaled, stamp
 from .expressions import Value as Number
 from .inputs import accepted, look_again, step_time
-from .monitor import Monitor, Tree, row_trees
+from .monitor import Monitor, Output, Tree, row_trees
 from .plain_values import Absent, exactly, is_nan, plain, read, show
 from .why import TEXTS, TRUE, UNKNOWN, Cause, seconds, shown
 
@@ -30,29 +30,97 @@ class Event(NamedTuple):
     accepts: tuple[str, ...] = ()  # the words by which its text accepts silence
 
 
-class EventMonitor(Conditions, Monitor[Rows]):
-    """What the class ``Monitor`` of compiled events inherits; not thread-safe."""
+class ConditionMonitor(Conditions, Monitor[Output]):
+    """What monitors inherit whose ``step`` evaluates conditions over inputs; not thread-safe."""
 
-    kind = "event"
     # of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or empty where
-    # no event reads it
+    # no condition reads it
     types: tuple[str | tuple[str, ...], ...]
     # of each input that is a number its RANGE, and whether there is ALLOW INF
     limits: tuple[tuple[float, float, bool] | None, ...]
     units: tuple[str, ...] = ()  # of the inputs, as in the model; empty where none has any
-    events: tuple[Event, ...]  # in file order
     reductions: tuple[int, ...] = ()  # for each reduction of a list the number of its first input
     raw: tuple[object, ...]  # values of the inputs in the last step, None where there is none
-    # evaluates once at a time: 0, 1 or 2 for each event; compiled monitors have it
+    # evaluates once at a time: 0, 1 or 2 for each condition; compiled monitors have it
     step: Callable[[object, int], tuple[Number, ...]]
     _source: Any
+    _waited = 0.0  # seconds from the last ``processing`` to the last step
+    _reasons: list[str]  # why a reduction is not known
+
+    def read(self, source: object) -> tuple[object, ...]:
+        raws = [read(source, spec.attribute, spec.id) for spec in self.inputs]
+        values = [None if type(raw) is Absent else raw for raw in raws]
+        factors = [spec.factor for spec in self.inputs]
+        return tuple([scaled(v, *f) if f is not None else v for v, f in zip(values, factors)])
+
+    def reduce(self, number: int, function: Callable[..., float | bool], *raws: object) -> object:
+        """Return a reduction of lists, and keep why it is not known."""
+        value, self._reasons[number] = reduced(function, raws)
+        return value
+
+    def stamp(self, t: int, input_id: str) -> int:
+        try:
+            return stamp(t, self._source.states[input_id].age + self._waited)
+        except Exception:  # noqa: BLE001 - any object may be given as input
+            return t
+
+    def _unit(self, k: int) -> str:
+        return self.units[k] if self.units else ""
+
+    def _unusable(self, k: int) -> str:
+        """Return why an input has no value that counts, empty where it has one."""
+        raw, limits, unit = self.raw[k], self.limits[k], self._unit(k)
+        if raw is None or is_nan(raw):
+            return "no value"
+        value = plain(raw)
+        if limits is None or not isinstance(value, (int, float)) or not self._fault(k):
+            return self._fault(k)
+        low, high, _ = limits
+        return f"{shown(value, unit)} is outside {low:.9g} .. {high:.9g} {unit}".rstrip()
+
+    def faults(self) -> Mapping[str, str]:
+        found = {
+            self.inputs[k].id: reason
+            for k, reason in zip(self.reductions, self._reasons)
+            if self.raw[k] is not None and reason
+        }
+        unusable = map(self._fault, range(len(self.inputs)))
+        found.update((spec.id, one) for spec, one in zip(self.inputs, unusable) if one)
+        return found
+
+    def _fault(self, k: int) -> str:
+        value, limits, factor = plain(self.raw[k]), self.limits[k], self.inputs[k].factor
+        beyond = ""
+        if limits is not None and isinstance(value, (int, float)):
+            low, high, infinite = limits
+            if value in (math.inf, -math.inf):
+                beyond = "" if infinite else f"{show(value)}, without ALLOW INF"
+            elif value < low or value > high:
+                beyond = f"{show(value)} is outside RANGE {low:.15g} .. {high:.15g}"
+        if beyond and factor is not None:
+            given = scaled(self.raw[k], factor[1], factor[0])
+            beyond = f"{given:.15g}, times {factor[0] / factor[1]:.9g}: {beyond}"
+        return fault(self.types[k], self.raw[k]) or beyond
+
+    def reset(self) -> None:
+        self.restart()
+        self._reasons = [""] * len(self.reductions)
+        self.raw = (None,) * len(self.inputs)
+        self._source = None
+
+
+class EventMonitor(ConditionMonitor[Rows]):
+    """What the class ``Monitor`` of compiled events inherits; not thread-safe."""
+
+    kind = "event"
+    events: tuple[Event, ...]  # in file order
     _verdicts: tuple[Number, ...]
     # event -> when its verdict became what it is, and the values of the inputs then
     _changes: dict[int, tuple[int | None, tuple[object, ...]]]
     _jumped: int | None = None  # time before the clock went back
-    _waited = 0.0  # seconds from the last ``processing`` to the last step
 
     def __init__(self) -> None:
+        self.hazards = frozenset([event.id for event in self.events if event.hazard])
         self.reset()
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
@@ -89,23 +157,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
             }
             for event, value, last in zip(self.events, now, before)
         ]
-
-    def read(self, source: object) -> tuple[object, ...]:
-        raws = [read(source, spec.attribute, spec.id) for spec in self.inputs]
-        values = [None if type(raw) is Absent else raw for raw in raws]
-        factors = [spec.factor for spec in self.inputs]
-        return tuple([scaled(v, *f) if f is not None else v for v, f in zip(values, factors)])
-
-    def reduce(self, number: int, function: Callable[..., float | bool], *raws: object) -> object:
-        """Return a reduction of lists, and keep why it is not known."""
-        value, self._reasons[number] = reduced(function, raws)
-        return value
-
-    def stamp(self, t: int, input_id: str) -> int:
-        try:
-            return stamp(t, self._source.states[input_id].age + self._waited)
-        except Exception:  # noqa: BLE001 - any object may be given as input
-            return t
 
     def series(self, output: Rows) -> Mapping[str, monitor.Value]:
         return {str(row["id"]): row["verdict"] for row in output}
@@ -145,20 +196,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         back = f", the clock went back {seconds(jumped / 1e9)}" if jumped > 0 else ""
         return causes or [Cause((), "window", TEXTS["window"] + back, since=since)]
 
-    def _unit(self, k: int) -> str:
-        return self.units[k] if self.units else ""
-
-    def _unusable(self, k: int) -> str:
-        """Return why an input has no value that counts, empty where it has one."""
-        raw, limits, unit = self.raw[k], self.limits[k], self._unit(k)
-        if raw is None or is_nan(raw):
-            return "no value"
-        value = plain(raw)
-        if limits is None or not isinstance(value, (int, float)) or not self._fault(k):
-            return self._fault(k)
-        low, high, _ = limits
-        return f"{shown(value, unit)} is outside {low:.9g} .. {high:.9g} {unit}".rstrip()
-
     def accepted(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(one for found in self._accepted().values() for one in found))
 
@@ -180,42 +217,16 @@ class EventMonitor(Conditions, Monitor[Rows]):
                 found[spec.id] = events
         return found
 
-    def faults(self) -> Mapping[str, str]:
-        found = {
-            self.inputs[k].id: reason
-            for k, reason in zip(self.reductions, self._reasons)
-            if self.raw[k] is not None and reason
-        }
-        unusable = map(self._fault, range(len(self.inputs)))
-        found.update((spec.id, one) for spec, one in zip(self.inputs, unusable) if one)
-        return found
-
-    def _fault(self, k: int) -> str:
-        value, limits, factor = plain(self.raw[k]), self.limits[k], self.inputs[k].factor
-        beyond = ""
-        if limits is not None and isinstance(value, (int, float)):
-            low, high, infinite = limits
-            if value in (math.inf, -math.inf):
-                beyond = "" if infinite else f"{show(value)}, without ALLOW INF"
-            elif value < low or value > high:
-                beyond = f"{show(value)} is outside RANGE {low:.15g} .. {high:.15g}"
-        if beyond and factor is not None:
-            given = scaled(self.raw[k], factor[1], factor[0])
-            beyond = f"{given:.15g}, times {factor[0] / factor[1]:.9g}: {beyond}"
-        return fault(self.types[k], self.raw[k]) or beyond
-
     def restart(self) -> None:
         self._jumped = getattr(self, "last", None)
         super().restart()
 
     def reset(self) -> None:
-        self.restart()
+        super().reset()
         self._changes, self._jumped = {}, None
         self._unknown: tuple[Number, ...] = (1,) * len(self.events)
         self._verdicts = self._unknown
-        self._reasons = [""] * len(self.reductions)
-        self.raw = self._taken = (None,) * len(self.inputs)
-        self._source = None
+        self._taken = self.raw
 
 
 def fault(kind: str | tuple[str, ...], raw: object) -> str:

@@ -476,7 +476,8 @@ def invalid(problem: Exception, before: InputState | None) -> InputState:
 def _raised(problem: Exception) -> str:
     """Return which method of a person raised something, and where; empty for code of ours."""
     within = problem.__traceback__ and problem.__traceback__.tb_next
-    if within is None or not within.tb_frame.f_code.co_name.startswith("process_"):
+    methods = ("process_", "action_")
+    if within is None or not within.tb_frame.f_code.co_name.startswith(methods):
         return ""
     code, name = within.tb_frame.f_code, type_name(problem)
     file = code.co_filename.replace("\\", "/").rpartition("/")[2]

@@ -104,6 +104,9 @@ class Monitor(Protocol[Output]):
     kind: str  # name of the kind (``consert``)
     inputs: tuple[InputSpec, ...]  # what ``execute_step`` reads, one attribute each
     topics: Mapping[str, str] = {}  # SimulatorOutput id -> its topic; a node sets full names
+    hazards: frozenset[str] = frozenset()  # claims of which the absence holds
+    unlogged: frozenset[str] = frozenset()  # claims that change as a matter of course
+    deferred: bool = False  # who runs it calls ``published``
     _source: object = None  # what the last step was given
     _at: object = None  # the time that it was given
     _output_faults: tuple[str, ...] = ()
@@ -130,6 +133,14 @@ class Monitor(Protocol[Output]):
         """Return what ``execute_step`` gave as checked message trees, None for nothing.
 
         It never raises, whatever a person's code has made of the output.
+        """
+
+    def published(
+        self, warn: Callable[[str], object], error: Callable[[str, str, str], object]
+    ) -> None:
+        """Do what is due now that the result is published; never raises.
+
+        ``error``: takes what went wrong: where, why (empty: no longer), and a traceback.
         """
 
     def output_faults(self) -> tuple[str, ...]:

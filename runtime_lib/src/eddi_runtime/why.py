@@ -177,7 +177,7 @@ def holds(message: object, claim: str) -> bool:
     """Return whether a message of a monitor says that a claim holds; never raises."""
     given: Any = message
     try:
-        for name in ("guarantees", "evidence"):
+        for name in ("guarantees", "evidence", "in_state"):
             rows = [row for row in getattr(given, name, ()) if plain(row.id) == claim]
             if rows:
                 given = rows[0]

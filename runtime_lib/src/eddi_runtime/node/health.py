@@ -53,8 +53,6 @@ class Health:
         self._eddi_input, self._period, self._grace = eddi_input, period, grace
         self._inputs = tuple(monitor.inputs)
         self._reading = [f"{source}/why" for spec in self._inputs for source, _ in spec.claims]
-        events: Sequence[Any] = getattr(monitor, "events", ())
-        self._hazards = frozenset(event.id for event in events if event.hazard)
         self._last_step = time.monotonic()
         self._first_step: float | None = None
         self._waiting = True  # for first messages: the grace of the start is not over
@@ -118,7 +116,7 @@ class Health:
             elif state != FRESH:
                 causes[spec.id] = self._eddi_input.why(spec, UNKNOWN, 0.0, core.topics)
         why, kind = core.why(), core.kind
-        more = self._hazards, tuple(core.accepted()), tuple(core.doubts())
+        more = core.hazards, tuple(core.accepted()), tuple(core.doubts())
         self._asked = asked = _Asked(now, report.MonitorFact(kind, why, *more), causes)
         lacking = [spec for spec, (state, _) in zip(self._inputs, states) if state != FRESH]
         self.suspected = frozenset(name for spec in lacking for name in spec.requires)
@@ -130,13 +128,16 @@ class Health:
         """Return why the claims are as they are now, and log it; called by the thread."""
         while self._changes:
             change = self._changes.popleft()
-            why = self._explained(change, graph, change.at)
-            self._log.note(why, change.at, self._waiting)
+            self._note(self._explained(change, graph, change.at), change.at)
         now = time.monotonic()
         why = self._explained(self._asked, graph, now)
-        self._log.note(why, now, self._waiting)
+        self._note(why, now)
         self._log.write(why, now)
         return why
+
+    def _note(self, why: Why, at: float) -> None:
+        rows = {name: row for name, row in why.items() if name not in self._monitor.unlogged}
+        self._log.note(rows, at, self._waiting)
 
     @property
     def waits(self) -> bool:

@@ -72,6 +72,7 @@ class Node:
     ) -> None:
         core: Any = monitor
         self._core: Monitor[Any] = getattr(core, "monitor", core)
+        self._core.deferred = True
         self.monitor = monitor
         self.eddi_input: EDDIInputBase = understood(eddi_input, self._core.inputs)
         self._pasted = self.eddi_input is not eddi_input
@@ -238,6 +239,7 @@ class Node:
             if self.ending.begun:  # meanwhile: another may have said its last word already
                 return
             error = self._publish(output)
+            self._core.published(lambda text: LOG.warn("%s", text), self._health.log_error)
             self._health.log_error("step", error)
             self._call("stepped", lambda: self.stepped(output))
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything

@@ -14,7 +14,7 @@ _STATES = ("ok", "latched", "waiting", "missing", "stale", "untold", "invalid")
 FRESH, LATCHED, WAITING, NEVER, LATE, UNTOLD, INVALID = _STATES
 """States of an input, as they are published."""
 _LEVEL_OF_STATE = dict(zip(_STATES, (OK, WARN, WARN, ERROR, STALE, WARN, ERROR)))
-_PREFIXES = {"consert": "guarantee.", "event": "event.", "safeml": ""}
+_PREFIXES = {"consert": "guarantee.", "event": "event.", "safeml": "", "state_machine": "state."}
 
 
 class InputFact(NamedTuple):

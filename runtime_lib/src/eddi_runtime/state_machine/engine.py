@@ -1,0 +1,274 @@
+"""The set of states in which a system may be, step by step: no input, no output, no clock.
+
+Truth values are 0 FALSE < 1 UNKNOWN < 2 TRUE. Each UNKNOWN splits the system into one in which it
+is so and one in which it is not; what holds in all of them is certain.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Callable, Iterable, Mapping, NamedTuple, Sequence, Tuple
+
+from ..why import FALSE, TRUE, UNKNOWN
+from .machine import RaisedAction, StateMachine, StateMachineOutput
+
+Due = Tuple[RaisedAction, ...]
+_EVER = -math.inf  # an earliest time of which nothing is known
+_WITHHELD = frozenset({"clock", "inconsistent", "waiting"})  # then nothing is claimed
+
+
+class Way(NamedTuple):
+    """How a state was entered."""
+
+    transition: int
+    verdict: int  # of the transition: TRUE or UNKNOWN
+    trigger: int  # which decided that; -1 for a timeout
+
+
+class Occupied(NamedTuple):
+    """A possible state."""
+
+    earliest: float  # nanoseconds; it was entered between these two
+    latest: float
+    due: Due = ()  # in all systems that are in it, and not performed
+    ways: tuple[Way, ...] = ()  # none: it is so from the start or a reset on
+
+    def met(self, other: Occupied) -> Occupied:
+        """Return the same state with the systems of another side."""
+        earliest, latest = min(self.earliest, other.earliest), max(self.latest, other.latest)
+        ways = tuple(dict.fromkeys([*self.ways, *other.ways]))
+        return Occupied(earliest, latest, common((self.due, other.due)), ways)
+
+
+Options = Callable[[int], "list[Way]"]
+"""State -> ways that may be taken from it, in order; behind one that is TRUE is none."""
+
+
+class Engine:
+    """One state machine."""
+
+    def __init__(self, machine: StateMachine) -> None:
+        self._machine = machine
+        rows, count = [*enumerate(machine.transitions)], range(len(machine.states))
+        self._leaving = [[n for n, one in rows if one.source == state] for state in count]
+        self._on_entry = [self._due(one.id, "entry", one.entry) for one in machine.states]
+        self._on_exit = [self._due(one.id, "exit", one.exit) for one in machine.states]
+        self._raises = {one.text: one.raises for one in machine.actions if one.raises >= 0}
+        self.reset()
+
+    def _due(self, state: str, moment: str, numbers: Sequence[int]) -> Due:
+        rows = [self._machine.actions[k] for k in numbers]
+        made = [(one.kind, one.text, one.target, one.priority) for one in rows]
+        return tuple([RaisedAction(state, moment, *row, certain=True) for row in made])
+
+    def reset(self) -> None:
+        """Forget everything of former steps."""
+        triggers, unknown = self._machine.triggers, self._machine.start == "unknown"
+        begun = UNKNOWN if unknown else FALSE
+        self._latched = {k: begun for k, one in enumerate(triggers) if one.persistent}
+        self._raised: dict[int, int] = {}  # trigger -> its value by the actions of the last step
+        self.last: int | None = None  # time of the last step
+        self.occupied: dict[int, Occupied] = {}  # by state
+        self.values: list[int] = [FALSE] * len(triggers)  # in the last step
+        self.excused: tuple[int, ...] = ()  # triggers that counted as FALSE, by ``absent``
+        self.since = 0.0  # latest possible entry of the only state; of several, their last change
+        self.good_since: dict[str, int] = {}  # evidence -> from when on it has been good
+
+    def step(
+        self,
+        t: int,  # nanoseconds, another time than that of the last step
+        values: Sequence[int],  # of the triggers; those that are raised count by themselves
+        reset: int = FALSE,
+        observed: Mapping[int, int] = {},  # state -> its value
+        *,
+        waiting: bool = False,  # for first messages
+    ) -> StateMachineOutput:
+        """Take one step; the result has no id, and no inputs."""
+        states, before, reasons = self._machine.states, [*self.occupied], []
+        initial = {k: Occupied(t, t) for k, one in enumerate(states) if one.initial}
+        everywhere = {k: Occupied(_EVER, t) for k in range(len(states))}
+        self._touched: set[RaisedAction] = set()  # on any way
+        if self.last is None:
+            unknown = self._machine.start == "unknown"
+            reasons += ["start"] if unknown else []
+            self.occupied = everywhere if unknown else initial
+        elif t < self.last:
+            reasons.append("clock")
+            rows = self.occupied.items()
+            self.occupied = {k: one._replace(earliest=_EVER, latest=t) for k, one in rows}
+        elif t - self.last > self._machine.max_gap:  # anything may have happened meanwhile
+            reasons.append("gap")
+            self._latched = {k: max(one, UNKNOWN) for k, one in self._latched.items()}
+            self.values = [UNKNOWN] * len(self._machine.triggers)
+            self._move(self.last, t, missed=True)
+            self.good_since = {}
+        self.values = self._read(values, reset)
+        if reset != FALSE:
+            reasons.append("reset")
+            kept = {} if reset == TRUE else self.occupied
+            both = {k: one.met(kept[k]) for k, one in initial.items() if k in kept}
+            self.occupied = {**kept, **initial, **both}
+        livelock = self._move(t, t)
+        reasons += ["livelock"] if livelock else []
+        reasons += ["waiting"] if waiting else []
+        allowed = [k for k in everywhere if observed.get(k, UNKNOWN) != FALSE]
+        occupied = {k: self.occupied[k] for k in allowed if k in self.occupied}
+        if not occupied:
+            reasons.append("inconsistent")
+            occupied = {k: everywhere[k] for k in allowed or everywhere}
+        performed = () if livelock else common([one.due for one in occupied.values()])
+        for k, one in occupied.items():
+            occupied[k] = one._replace(due=tuple([due for due in one.due if due not in performed]))
+        maybe = sorted(self._touched.difference(performed))
+        raised = (*performed, *[one._replace(certain=False) for one in maybe])
+        self._raised = {}
+        for row in reversed(raised):  # those that are certain at last
+            if row.kind == "warning" and row.text in self._raises:
+                self._raised[self._raises[row.text]] = TRUE if row.certain else UNKNOWN
+        self.last, self.occupied = t, occupied
+        return self._output(before, raised, tuple(reasons))
+
+    def _read(self, values: Sequence[int], reset: int) -> list[int]:
+        """Return the triggers as they count now: raised, excused, latched."""
+        pairs = [*enumerate(self._machine.triggers)]
+        read = [self._raised.get(k, FALSE) if one.raised else values[k] for k, one in pairs]
+        self.excused = tuple([k for k, one in pairs if one.absent and read[k] == UNKNOWN])
+        for k in self.excused:
+            read[k] = FALSE
+        for k, held in self._latched.items():
+            read[k] = self._latched[k] = max(read[k], min(held, TRUE - reset))
+        return read
+
+    def _output(
+        self, before: list[int], raised: Due, reasons: tuple[str, ...]
+    ) -> StateMachineOutput:
+        now, possible, states = self.last or 0, [*self.occupied], self._machine.states
+        if len(possible) == 1:
+            self.since = self.occupied[possible[0]].latest
+        elif possible != before or self.since > now:
+            self.since = now
+        withheld, evidence = not _WITHHELD.isdisjoint(reasons), {}
+        for claim in self._machine.evidence:
+            good = not withheld and set(possible).issubset(claim.states)
+            if not good:
+                self.good_since.pop(claim.id, None)
+            begun = self.good_since.setdefault(claim.id, now) if good else now
+            evidence[claim.id] = good and now - begun >= claim.hold
+        failed = _verdict([states[k].fail for k in possible])
+        made = StateMachineOutput(
+            id="",
+            state=states[possible[0]].id if len(possible) == 1 else "",
+            possible=tuple([states[k].id for k in possible]),
+            failed=max(failed, UNKNOWN) if withheld else failed,
+            since_seconds=(now - self.since) / 1e9,
+            in_state={},
+            evidence=evidence,
+            raised=raised,
+            unknown_inputs=(),
+            reasons=reasons,
+        )
+        rows = [(one.id, _verdict([k == n for n in possible])) for k, one in enumerate(states)]
+        return made._replace(in_state={k: UNKNOWN if withheld else value for k, value in rows})
+
+    # A move: each possible state follows its transitions until none fires.
+
+    def _move(self, low: int, high: int, *, missed: bool = False) -> bool:
+        """Move, and return whether it is a livelock.
+
+        States are entered between ``low`` and ``high``. ``missed``: steps were, so everything may
+        have fired, and nothing is sure to have.
+        """
+        later: dict[int, list[Way]] = {}
+        ends: dict[int, Occupied] = {}
+        self._low, self._high, self._missed, livelock = low, high, missed, False
+
+        def end(state: int, one: Occupied) -> None:
+            ends[state] = ends[state].met(one) if state in ends else one
+
+        for source in sorted(self.occupied):
+            begun = self.occupied[source]
+            first = self._options(source, begun, first=True)
+
+            def options(state: int, source: int = source, first: list[Way] = first) -> list[Way]:
+                if state != source and state not in later:
+                    later[state] = self._options(state, Occupied(low, high), first=missed)
+                return first if state == source else later[state]
+
+            entered = {source: begun, **self._entered(source, begun.due, options)}
+            entered[source] = begun
+            certain: dict[int, int] = {}  # state -> where it is sure to lead
+            for state, here in entered.items():
+                for way in options(state):
+                    target = self._machine.transitions[way.transition].target
+                    if target == state:  # a self-transition ends the move
+                        end(state, Occupied(low, high, self._hop(here.due, state, state), (way,)))
+                    elif way.verdict == TRUE:
+                        certain[state] = target
+                if all(way.verdict != TRUE for way in options(state)):
+                    end(state, here)
+                circle = self._entered(state, (), options).get(state)
+                if circle is not None:
+                    due = tuple([one for one in here.due if one not in circle.due])
+                    end(state, circle._replace(due=due + circle.due))
+            for state in certain:
+                passed = state
+                for _ in certain:
+                    passed = certain.get(passed, -1)
+                    livelock = livelock or passed == state
+        self.occupied = {state: ends[state] for state in sorted(ends)}
+        return livelock
+
+    def _options(self, state: int, one: Occupied, *, first: bool) -> list[Way]:
+        """Return the ways that may be taken; ``first``: what is momentary counts."""
+        found: list[Way] = []
+        for number in self._leaving[state]:
+            transition, verdict, decides = self._machine.transitions[number], FALSE, -1
+            for k in transition.triggers:
+                trigger, value = self._machine.triggers[k], self.values[k]
+                lasts = trigger.persistent or not (trigger.momentary or trigger.raised)
+                if value > verdict and (first or lasts):
+                    verdict, decides = value, k
+            if transition.after is not None:
+                over = TRUE if self._high - one.latest >= transition.after else UNKNOWN
+                over = FALSE if self._high - one.earliest < transition.after else over
+                verdict = min(verdict, over) if transition.triggers else over
+            verdict = min(verdict, UNKNOWN) if self._missed else verdict
+            found += [Way(number, verdict, decides)] if verdict != FALSE else []
+            if verdict == TRUE:
+                break
+        return found
+
+    def _entered(self, source: int, due: Due, options: Options) -> dict[int, Occupied]:
+        """Return each state that is entered, with what is due on all ways to it."""
+        found: dict[int, Occupied] = {}
+        open_ = [(source, due)]
+        while open_:
+            state, due = open_.pop()
+            onward = []
+            for way in options(state):
+                target = self._machine.transitions[way.transition].target
+                if target != state:
+                    new = Occupied(self._low, self._high, self._hop(due, state, target), (way,))
+                    known = found.get(target)
+                    found[target] = new if known is None else known.met(new)
+                    if known is None or found[target].due != known.due:
+                        onward.append((target, found[target].due))
+            open_ += reversed(onward)
+        return found
+
+    def _hop(self, due: Due, source: int, target: int) -> Due:
+        """Return what is due after a transition: each action once, at its latest place."""
+        new = (*self._on_exit[source], *self._on_entry[target])
+        self._touched.update(new)
+        return tuple([one for one in due if one not in new]) + new
+
+
+def common(lists: Iterable[Due]) -> Due:
+    """Return what is in all lists, in the order of the first one."""
+    first, *others = lists
+    return tuple([due for due in first if all(due in other for other in others)])
+
+
+def _verdict(truths: Sequence[bool]) -> int:
+    """Return what is true in all systems."""
+    return TRUE if all(truths) else UNKNOWN if any(truths) else FALSE
