@@ -99,6 +99,7 @@ class Engine:
         elif t - self.last > self._machine.max_gap:  # anything may have happened meanwhile
             reasons.append("gap")
             self._latched = {k: max(one, UNKNOWN) for k, one in self._latched.items()}
+            self._raised = dict.fromkeys(self._raised, UNKNOWN)  # heard in the gap, or only now
             self.values = [UNKNOWN] * len(self._machine.triggers)
             self._move(self.last, t, missed=True)
             self.good_since = {}
