@@ -101,3 +101,21 @@ def test_started_runs_before_the_first_step(robot):
     begun(robot, lambda self: told.append((len(robot.told), self.eddi_input.RtE_A_E0)))
     assert told == [(0, False)]
     assert [topic for _, topic, _ in robot.told].count(B) == 1
+
+
+def test_what_is_due_is_done_once_the_result_is_published(robot):
+    seen = []
+
+    def published(warn, error):
+        seen.append([topic for _, topic, _ in robot.told].count(B))
+        warn("mind the gap")
+        error("action_stop", "mine", "")
+
+    node = robot.start("consertb")
+    before = len(node.steps)
+    node.core.published = published
+    robot.run(1.0)
+    assert seen == [*range(before + 1, len(node.steps) + 1)]
+    assert ("warn", "mind the gap") in robot.lines
+    assert len(logged(robot, "action_stop: mine")) == 1
+    assert node.core.deferred

@@ -127,7 +127,7 @@ class Engine:
             if row.kind == "warning" and row.text in self._raises:
                 self._raised[self._raises[row.text]] = TRUE if row.certain else UNKNOWN
         self.last, self.occupied = t, occupied
-        return self._output(before, raised, tuple(reasons))
+        return self._output(before, raised, reasons)
 
     def _read(self, values: Sequence[int], reset: int) -> list[int]:
         """Return the triggers as they count now: raised, excused, latched."""
@@ -140,11 +140,10 @@ class Engine:
             read[k] = self._latched[k] = max(read[k], min(held, TRUE - reset))
         return read
 
-    def _output(
-        self, before: list[int], raised: Due, reasons: tuple[str, ...]
-    ) -> StateMachineOutput:
+    def _output(self, before: list[int], raised: Due, reasons: list[str]) -> StateMachineOutput:
         now, possible, states = self.last or 0, [*self.occupied], self._machine.states
-        if len(possible) == 1:
+        only = states[possible[0]].id if len(possible) == 1 else ""
+        if only:
             self.since = self.occupied[possible[0]].latest
         elif possible != before or self.since > now:
             self.since = now
@@ -155,21 +154,12 @@ class Engine:
                 self.good_since.pop(claim.id, None)
             begun = self.good_since.setdefault(claim.id, now) if good else now
             evidence[claim.id] = good and now - begun >= claim.hold
-        failed = _verdict([states[k].fail for k in possible])
-        made = StateMachineOutput(
-            id="",
-            state=states[possible[0]].id if len(possible) == 1 else "",
-            possible=tuple([states[k].id for k in possible]),
-            failed=max(failed, UNKNOWN) if withheld else failed,
-            since_seconds=(now - self.since) / 1e9,
-            in_state={},
-            evidence=evidence,
-            raised=raised,
-            unknown_inputs=(),
-            reasons=reasons,
-        )
-        rows = [(one.id, _verdict([k == n for n in possible])) for k, one in enumerate(states)]
-        return made._replace(in_state={k: UNKNOWN if withheld else value for k, value in rows})
+        names, failed = tuple([states[k].id for k in possible]), [states[k].fail for k in possible]
+        in_state = {one.id: _verdict([one.id == name for name in names]) for one in states}
+        claims, since = (in_state, evidence), (now - self.since) / 1e9
+        rest = (names, _verdict(failed), since, *claims, raised, (), tuple(reasons))
+        made = StateMachineOutput("", only, *rest)
+        return made.without_claims() if withheld else made
 
     # A move: each possible state follows its transitions until none fires.
 
