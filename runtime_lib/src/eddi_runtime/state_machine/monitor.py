@@ -18,6 +18,7 @@ _NAMES = ("FALSE", "UNKNOWN", "TRUE")
 _VERDICTS = (False, None, True)
 _KEPT = 32  # changes, for people
 _MOST = 256  # actions that wait for ``published``
+_EARLY = ("missing", "untold")  # states of an input that has not been known since the start
 _WITHHELD = {
     "clock": "the clock stands, or went back",
     "inconsistent": "what is observed excludes every possible state",
@@ -76,32 +77,18 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         if t is None:
             self.raw = self.read(eddi_input)
         self._look()
-        unknown = tuple(
-            [
-                spec.id
-                for k, spec in enumerate(self.inputs)
-                if not self._usable[k] and (self._came[k] or k not in self._sporadic)
-            ]
-        )
+        unusable = [k for k, one in enumerate(self._usable) if not one]
+        unusable = [k for k in unusable if self._came[k] or k not in self._sporadic]
+        unknown = tuple([self.inputs[k].id for k in unusable])
         if t is not None and t != self._engine.last:
             before, self._usable_then = self._moved, self._usable
             made = self._move(t, verdicts)
             self._moved = made._replace(id=self.model_id, unknown_inputs=unknown)
-            self._pending.extend(
-                one for one in made.raised if one.certain or one not in before.raised
-            )
+            known = [one for one in before.raised if not one.certain]
+            self._pending.extend([one for one in made.raised if one not in known])
             self._result = self._moved
             if made.possible != before.possible:
-                occupied = [
-                    (self.states[k].id, one.ways) for k, one in self._engine.occupied.items()
-                ]
-                new = [
-                    f"{name} because {self._because(ways[0])}"
-                    for name, ways in occupied
-                    if ways and name not in before.possible
-                ]
-                text = "; ".join([" or ".join(made.possible), *new, *made.reasons])
-                self._changes.append(f"{t / 1e9:.1f} s: {text}")
+                self._changes.append(f"{t / 1e9:.1f} s: {self._change(before)}")
         else:
             self._result = self._moved._replace(raised=(), unknown_inputs=unknown)
             lost = any(then and not now for then, now in zip(self._usable_then, self._usable))
@@ -115,22 +102,21 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         return self._result
 
     def _look(self) -> None:
-        """Note which inputs have come and have a value, and what messages say."""
+        """Note which inputs have come and have a value, and what messages tell."""
         states = states_of(self._source)
         known = [raw is not None for raw in self.raw]
         for k, spec in enumerate(self.inputs):
             state = states.get(spec.id)
-            absent = state is None or state.state == "missing" or state.reason == UNDECIDED
-            self._came[k] = self._came[k] or known[k] or not absent
+            early = state is None or state.state in _EARLY or state.reason == UNDECIDED
+            self._came[k] = self._came[k] or known[k] or not early
         self._usable = [one and not self._unusable(k) for k, one in enumerate(known)]
         for k, one in enumerate(self._asked):
             if one.messages:
                 (n,) = one.needs
                 raw: Any = self.raw[n]
+                raw = () if raw is None and n in self._sporadic and not self._came[n] else raw
                 rows = raw if issubclass(type(raw), (list, tuple)) else (raw,)
                 truths = [FALSE, *map(truth, rows)]
-                if raw is None and n in self._sporadic and not self._came[n]:
-                    truths = [FALSE]
                 self._happened[k] = max(self._happened[k], TRUE if TRUE in truths else max(truths))
 
     def _move(self, t: int, verdicts: Sequence[Number]) -> StateMachineOutput:
@@ -138,12 +124,9 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         last, given, size = self._engine.last, iter(verdicts), len(self.triggers)
         if last is not None and not 0 < t - last <= self.max_gap:
             self._settling = [False] * len(self._asked)
-        values, waiting = [], False
-        self._late = set()
+        values, waiting, self._late = [], False, set()
         for k, one in enumerate(self._asked):
-            value = (
-                FALSE if one.raised else self._happened[k] if one.messages else int(next(given))
-            )
+            value = self._happened[k] if one.raised or one.messages else int(next(given))
             wrong = any(self._came[n] and not self._usable[n] for n in one.needs)
             never = [n for n in one.needs if not self._came[n]]
             if wrong or (value != UNKNOWN and not never):
@@ -283,6 +266,13 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             return f"{self.triggers[way.trigger].text}{' was not known' if doubt else ''}"
         stay = f"{length((row.after or 0) / 1e9)} in {self.states[row.source].id}"
         return f"it {'may have been' if doubt else 'was'} {stay}"
+
+    def _change(self, before: StateMachineOutput) -> str:
+        """Return what has become possible, and why."""
+        rows = [(self.states[k].id, one.ways) for k, one in self._engine.occupied.items()]
+        new = [(name, ways[0]) for name, ways in rows if ways and name not in before.possible]
+        why = [f"{name} because {self._because(way)}" for name, way in new]
+        return "; ".join([" or ".join(self._moved.possible), *why, *self._moved.reasons])
 
     def explain(self) -> str:
         """Return how each possible state was entered, the triggers now, and the last changes."""
