@@ -51,15 +51,19 @@ class Engine:
         self._machine = machine
         rows, count = [*enumerate(machine.transitions)], range(len(machine.states))
         self._leaving = [[n for n, one in rows if one.source == state] for state in count]
+        self._raises: dict[RaisedAction, int] = {}  # which trigger it fires
         self._on_entry = [self._due(one.id, "entry", one.entry) for one in machine.states]
         self._on_exit = [self._due(one.id, "exit", one.exit) for one in machine.states]
-        self._raises = {one.text: one.raises for one in machine.actions if one.raises >= 0}
         self.reset()
 
     def _due(self, state: str, moment: str, numbers: Sequence[int]) -> Due:
-        rows = [self._machine.actions[k] for k in numbers]
-        made = [(one.kind, one.text, one.target, one.priority) for one in rows]
-        return tuple([RaisedAction(state, moment, *row, certain=True) for row in made])
+        made: list[RaisedAction] = []
+        for one in (self._machine.actions[k] for k in numbers):
+            row = (state, moment, one.kind, one.text, one.target, one.priority)
+            made.append(RaisedAction(*row, certain=True))
+            if one.raises >= 0:
+                self._raises[made[-1]] = one.raises
+        return tuple(made)
 
     def reset(self) -> None:
         """Forget everything of former steps."""
@@ -121,13 +125,12 @@ class Engine:
         for k, one in occupied.items():
             occupied[k] = one._replace(due=tuple([due for due in one.due if due not in performed]))
         maybe = sorted(self._touched.difference(performed))
-        raised = (*performed, *[one._replace(certain=False) for one in maybe])
-        self._raised = {}
-        for row in reversed(raised):  # those that are certain at last
-            if row.kind == "warning" and row.text in self._raises:
-                self._raised[self._raises[row.text]] = TRUE if row.certain else UNKNOWN
+        raised = {self._raises[one]: UNKNOWN for one in maybe if one in self._raises}
+        sure = {self._raises[one]: TRUE for one in performed if one in self._raises}
+        self._raised = {**raised, **sure}
         self.last, self.occupied = t, occupied
-        return self._output(before, raised, reasons)
+        rows_of_step = (*performed, *[one._replace(certain=False) for one in maybe])
+        return self._output(before, rows_of_step, reasons)
 
     def _read(self, values: Sequence[int], reset: int) -> list[int]:
         """Return the triggers as they count now: raised, excused, latched."""
