@@ -219,16 +219,16 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
 
     def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
         result, good = self._result, {one.id for one in self.states if not one.fail}
-        yield "failed", TRUE - result.failed, self._causes(good)
-        for name, verdict in result.in_state.items():
-            yield name, verdict, self._causes({name})
         for one in self.evidence:
             inside = {self.states[k].id for k in one.states}
             since = self._lasting(self._engine.good_since.get(one.id))
             hold = Cause((), "hold", TEXTS["hold"], since=since, limit=one.hold / 1e9)
-            verdict = min(max([result.in_state[name] for name in inside]), UNKNOWN)
-            verdict = TRUE if result.evidence[one.id] else verdict
+            verdict = max([result.in_state[name] for name in inside], default=FALSE)
+            verdict = TRUE if result.evidence[one.id] else min(verdict, UNKNOWN)
             yield one.id, verdict, self._causes(inside) or [hold]
+        yield "failed", TRUE - result.failed, self._causes(good)
+        for name, verdict in result.in_state.items():
+            yield name, verdict, self._causes({name})
 
     def _causes(self, inside: set[str]) -> list[Cause]:
         """Return why the system is not known to be in one of these states."""
@@ -238,7 +238,8 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         ]
         if "waiting" in reasons:
             late = self._of_unknown([self.inputs[n] for n in sorted(self._late)], {})
-            causes += late or [Cause((), "window", TEXTS["window"])]
+            filled = self._lasting(self.since or None)
+            causes += late or [Cause((), "window", TEXTS["window"], since=filled)]
         sure, perhaps = inside.isdisjoint(possible), "" if len(possible) == 1 else "perhaps "
         for state, one in self._engine.occupied.items() if not causes else ():
             if self.states[state].id in inside:
