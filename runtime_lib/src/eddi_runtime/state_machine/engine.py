@@ -7,7 +7,7 @@ is so and one in which it is not; what holds in all of them is certain.
 from __future__ import annotations
 
 import math
-from typing import Callable, Iterable, Mapping, NamedTuple, Sequence, Tuple
+from typing import Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from ..why import FALSE, TRUE, UNKNOWN
 from .machine import RaisedAction, StateMachine, StateMachineOutput
@@ -40,7 +40,7 @@ class Occupied(NamedTuple):
         return Occupied(earliest, latest, common((self.due, other.due)), ways)
 
 
-Options = Callable[[int], "list[Way]"]
+Options = Mapping[int, List[Way]]
 """State -> ways that may be taken from it, in order; behind one that is TRUE is none."""
 
 
@@ -172,38 +172,43 @@ class Engine:
         States are entered between ``low`` and ``high``. ``missed``: steps were, so everything may
         have fired, and nothing is sure to have.
         """
-        later: dict[int, list[Way]] = {}
-        ends: dict[int, Occupied] = {}
         self._low, self._high, self._missed, livelock = low, high, missed, False
+        ends: dict[int, Occupied] = {}
 
-        def end(state: int, one: Occupied) -> None:
+        def end(state: int, one: Occupied, due: Due) -> None:
+            one = one._replace(due=due)
             ends[state] = ends[state].met(one) if state in ends else one
 
-        for source in sorted(self.occupied):
-            begun = self.occupied[source]
-            first = self._options(source, begun, first=True)
-
-            def options(state: int, source: int = source, first: list[Way] = first) -> list[Way]:
-                if state != source and state not in later:
-                    later[state] = self._options(state, Occupied(low, high), first=missed)
-                return first if state == source else later[state]
-
-            entered = {source: begun, **self._entered(source, begun.due, options)}
-            entered[source] = begun
+        firsts = {k: self._options(k, one, first=True) for k, one in sorted(self.occupied.items())}
+        if not any(firsts.values()):
+            self.occupied = {k: self.occupied[k] for k in firsts}
+            return False
+        new = Occupied(low, high)
+        later = [self._options(k, new, first=missed) for k in range(len(self._leaving))]
+        # states where what is momentary and for how long they were occupied make no difference go
+        # together
+        groups = [[k for k in firsts if firsts[k] == later[k]]]
+        for group in groups + [[k] for k in firsts if firsts[k] != later[k]]:
+            options = {**dict(enumerate(later)), **{k: firsts[k] for k in group}}
+            begun = {k: self.occupied[k] for k in group}
+            entered = self._entered({k: one.due for k, one in begun.items()}, options)
             certain: dict[int, int] = {}  # state -> where it is sure to lead
-            for state, here in entered.items():
-                for way in options(state):
+            for state in {**begun, **entered}:
+                sides = [of[state] for of in (begun, entered) if state in of]
+                for way in options[state]:
                     target = self._machine.transitions[way.transition].target
-                    if target == state:  # a self-transition ends the move
-                        end(state, Occupied(low, high, self._hop(here.due, state, state), (way,)))
-                    elif way.verdict == TRUE:
+                    if target != state and way.verdict == TRUE:
                         certain[state] = target
-                if all(way.verdict != TRUE for way in options(state)):
-                    end(state, here)
-                circle = self._entered(state, (), options).get(state)
-                if circle is not None:
-                    due = tuple([one for one in here.due if one not in circle.due])
-                    end(state, circle._replace(due=due + circle.due))
+                    for one in sides if target == state else ():  # this ends the move
+                        end(state, new._replace(ways=(way,)), self._hop(one.due, state, state))
+                stays = all(way.verdict != TRUE for way in options[state])
+                circle = None if stays else self._entered({state: ()}, options).get(state)
+                for one in sides:
+                    if stays:
+                        end(state, one, one.due)
+                    elif circle is not None:
+                        before = [due for due in one.due if due not in circle.due]
+                        end(state, circle, (*before, *circle.due))
             for state in certain:
                 passed = state
                 for _ in certain:
@@ -232,14 +237,14 @@ class Engine:
                 break
         return found
 
-    def _entered(self, source: int, due: Due, options: Options) -> dict[int, Occupied]:
+    def _entered(self, begun: Mapping[int, Due], options: Options) -> dict[int, Occupied]:
         """Return each state that is entered, with what is due on all ways to it."""
         found: dict[int, Occupied] = {}
-        open_ = [(source, due)]
+        open_ = [*begun.items()][::-1]
         while open_:
             state, due = open_.pop()
             onward = []
-            for way in options(state):
+            for way in options[state]:
                 target = self._machine.transitions[way.transition].target
                 if target != state:
                     new = Occupied(self._low, self._high, self._hop(due, state, target), (way,))
