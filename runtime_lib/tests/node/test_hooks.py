@@ -119,3 +119,14 @@ def test_what_is_due_is_done_once_the_result_is_published(robot):
     assert ("warn", "mind the gap") in robot.lines
     assert len(logged(robot, "action_stop: mine")) == 1
     assert node.core.deferred
+
+
+@pytest.mark.parametrize("is_logged", [True, False])
+def test_claims_that_change_as_a_matter_of_course_are_not_logged(robot, is_logged):
+    node = robot.start("consertb")
+    if not is_logged:
+        node.core.unlogged = frozenset(node.core.guarantee_ids)
+    robot.sense("/rte/e0b", 0.5)
+    robot.run(14.0)
+    assert any(text.startswith("lost ") for _, text in robot.lines) == is_logged
+    assert ACTIVE <= node.core.why().keys()
