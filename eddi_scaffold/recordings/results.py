@@ -66,6 +66,7 @@ def changes(play: Playback) -> Iterator[str]:
         if reason and not hasattr(running, "omission") and (reason != _ONLY_INPUTS or not whys):
             text += f"  {reason}" if getattr(output, "valid", False) else f"  not valid: {reason}"
         name = f"{monitor.name}: " if monitor.name else ""
+        whys = {k: why for k, why in whys.items() if k not in running.unlogged}
         yield f"{step.t:10.3f}  {name}{text}{_chains(whys)}".rstrip()
 
 
@@ -146,7 +147,7 @@ def picture(title: str, play: Playback) -> str:
     last: dict[tuple[str, str], tuple[object, str]] = {}  # the first reason while it lasts
     for monitor, step in play:
         running, group = monitor.running, monitor.name or "outputs"
-        hazards = [event.id for event in getattr(running, "events", ()) if event.hazard]
+        hazards = running.hazards
         outputs = (running.decided if monitor.name else running.series)(step.output)
         values: dict[str, object] = {f"NOT {k}" if k in hazards else k: outputs[k] for k in outputs}
         for id_, why in running.why().items():

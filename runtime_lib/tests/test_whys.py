@@ -110,12 +110,13 @@ def test_states_that_only_expressions_have():
     assert given.known_for(()) == math.inf
 
 
-def test_claims_of_other_monitors():
+@pytest.mark.parametrize("rows", ["guarantees", "in_state"])
+def test_claims_of_other_monitors(rows):
     spec = SPEC._replace(claims=(("a", "x"), ("b", "G")))
     given = EDDIInputBase((spec,))
     there = Cause(("in",), "window", "fills", monitors=("m",))
     why = {"x": ClaimWhy("x", UNKNOWN, (there,)), "G": ClaimWhy("G", UNKNOWN, (there,))}
-    holds = give(guarantees=[give(id="x", active=True), give(id="G", active=False)])
+    holds = give(**{rows: [give(id="x", active=True), give(id="G", active=False)]})
     given.begin_step({}, t_ns=0)
     given.update("x", lambda _: None, {"a": holds, "a/why": why, "b/why": why}, ("a",))
     given.states["x"] = InputState("ok")

@@ -15,8 +15,8 @@ from eddi_scaffold.kinds import ClaimField, Kind, messages_in
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
 
-SUFFIX = ".machine.xml"
-"""Of a file that holds one state machine, with what its triggers are made of."""
+SUFFIX = ".machine"
+"""Before that of the format: of a file of which only the state machine counts."""
 KEYS = ("start", "reset", "observe", "triggers", "transitions", "evidence", "max_gap")
 _UNKNOWN = 1
 _VERDICT = Meaning(
@@ -67,7 +67,7 @@ def _status(output: Any) -> StatusReading:
 
 
 def _recognises(source: Source) -> bool:
-    return source.name.lower().endswith(SUFFIX)
+    return source.name.lower().endswith((f"{SUFFIX}.xml", f"{SUFFIX}.json"))
 
 
 KIND = Kind(

@@ -78,7 +78,8 @@ class StateMachineModel(kinds.Model):
         except UnicodeDecodeError:
             fields = {"subject": f"the encoding of {self.source.file_name}", "format": "UTF-8"}
             raise EddiError(problem("G004.unsaid", self.place, **fields)) from None
-        return {f"{self.safe_name}{SUFFIX}": text}
+        suffix = ".json" if self.source.name.lower().endswith(".json") else ".xml"
+        return {f"{self.safe_name}{SUFFIX}{suffix}": text}
 
     def diagram(self) -> Diagram:
         return show.picture(self.data)

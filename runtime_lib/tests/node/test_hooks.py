@@ -101,3 +101,32 @@ def test_started_runs_before_the_first_step(robot):
     begun(robot, lambda self: told.append((len(robot.told), self.eddi_input.RtE_A_E0)))
     assert told == [(0, False)]
     assert [topic for _, topic, _ in robot.told].count(B) == 1
+
+
+def test_what_is_due_is_done_once_the_result_is_published(robot):
+    seen = []
+
+    def published(warn, error):
+        seen.append([topic for _, topic, _ in robot.told].count(B))
+        warn("mind the gap")
+        error("action_stop", "mine", "")
+
+    node = robot.start("consertb")
+    before = len(node.steps)
+    node.core.published = published
+    robot.run(1.0)
+    assert seen == [*range(before + 1, len(node.steps) + 1)]
+    assert ("warn", "mind the gap") in robot.lines
+    assert len(logged(robot, "action_stop: mine")) == 1
+    assert node.core.deferred
+
+
+@pytest.mark.parametrize("is_logged", [True, False])
+def test_claims_that_change_as_a_matter_of_course_are_not_logged(robot, is_logged):
+    node = robot.start("consertb")
+    if not is_logged:
+        node.core.unlogged = frozenset(node.core.guarantee_ids)
+    robot.sense("/rte/e0b", 0.5)
+    robot.run(14.0)
+    assert any(text.startswith("lost ") for _, text in robot.lines) == is_logged
+    assert node.core.why().keys() >= ACTIVE

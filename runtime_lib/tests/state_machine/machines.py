@@ -108,7 +108,8 @@ def value(model, held, text):
 def monitor(model, config=None, actions=None, max_age=None):
     """Return a monitor with a boolean input for each text, observed state and the reset."""
     made, ids = machine(model, config), inputs_of(model)
-    flags = model.get("triggers", {})
+    rows = model.get("triggers", {}).items()
+    momentary = {text for text, flags in rows if flags.get("momentary")}
     names = [state.id for state in made.states]
     every = [*ids, *(f"observed {name}" for name in names), "reset"]
     first = len(ids)
@@ -120,12 +121,12 @@ def monitor(model, config=None, actions=None, max_age=None):
                 one,
                 one,
                 requires=(one,),
-                max_age="none" if one in flags else max_age,
-                every_message=one in flags,
+                max_age="none" if one in momentary else max_age,
+                every_message=one in momentary,
             )
             for one in every
         )
-        types = tuple("" if one in flags else "bool" for one in every)
+        types = tuple("" if one in momentary else "bool" for one in every)
         limits = (None,) * len(every)
         states, actions, triggers = made.states, made.actions, made.triggers
         transitions, evidence = made.transitions, made.evidence

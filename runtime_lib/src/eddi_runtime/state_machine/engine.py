@@ -7,7 +7,7 @@ is so and one in which it is not; what holds in all of them is certain.
 from __future__ import annotations
 
 import math
-from typing import Callable, Iterable, Mapping, NamedTuple, Sequence, Tuple
+from typing import Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from ..why import FALSE, TRUE, UNKNOWN
 from .machine import RaisedAction, StateMachine, StateMachineOutput
@@ -40,7 +40,7 @@ class Occupied(NamedTuple):
         return Occupied(earliest, latest, common((self.due, other.due)), ways)
 
 
-Options = Callable[[int], "list[Way]"]
+Options = Mapping[int, List[Way]]
 """State -> ways that may be taken from it, in order; behind one that is TRUE is none."""
 
 
@@ -51,15 +51,19 @@ class Engine:
         self._machine = machine
         rows, count = [*enumerate(machine.transitions)], range(len(machine.states))
         self._leaving = [[n for n, one in rows if one.source == state] for state in count]
+        self._raises: dict[RaisedAction, int] = {}  # which trigger it fires
         self._on_entry = [self._due(one.id, "entry", one.entry) for one in machine.states]
         self._on_exit = [self._due(one.id, "exit", one.exit) for one in machine.states]
-        self._raises = {one.text: one.raises for one in machine.actions if one.raises >= 0}
         self.reset()
 
     def _due(self, state: str, moment: str, numbers: Sequence[int]) -> Due:
-        rows = [self._machine.actions[k] for k in numbers]
-        made = [(one.kind, one.text, one.target, one.priority) for one in rows]
-        return tuple([RaisedAction(state, moment, *row, certain=True) for row in made])
+        made: list[RaisedAction] = []
+        for one in (self._machine.actions[k] for k in numbers):
+            row = (state, moment, one.kind, one.text, one.target, one.priority)
+            made.append(RaisedAction(*row, certain=True))
+            if one.raises >= 0:
+                self._raises[made[-1]] = one.raises
+        return tuple(made)
 
     def reset(self) -> None:
         """Forget everything of former steps."""
@@ -99,6 +103,7 @@ class Engine:
         elif t - self.last > self._machine.max_gap:  # anything may have happened meanwhile
             reasons.append("gap")
             self._latched = {k: max(one, UNKNOWN) for k, one in self._latched.items()}
+            self._raised = dict.fromkeys(self._raised, UNKNOWN)  # heard in the gap, or only now
             self.values = [UNKNOWN] * len(self._machine.triggers)
             self._move(self.last, t, missed=True)
             self.good_since = {}
@@ -120,13 +125,12 @@ class Engine:
         for k, one in occupied.items():
             occupied[k] = one._replace(due=tuple([due for due in one.due if due not in performed]))
         maybe = sorted(self._touched.difference(performed))
-        raised = (*performed, *[one._replace(certain=False) for one in maybe])
-        self._raised = {}
-        for row in reversed(raised):  # those that are certain at last
-            if row.kind == "warning" and row.text in self._raises:
-                self._raised[self._raises[row.text]] = TRUE if row.certain else UNKNOWN
+        raised = {self._raises[one]: UNKNOWN for one in maybe if one in self._raises}
+        sure = {self._raises[one]: TRUE for one in performed if one in self._raises}
+        self._raised = {**raised, **sure}
         self.last, self.occupied = t, occupied
-        return self._output(before, raised, tuple(reasons))
+        rows_of_step = (*performed, *[one._replace(certain=False) for one in maybe])
+        return self._output(before, rows_of_step, reasons)
 
     def _read(self, values: Sequence[int], reset: int) -> list[int]:
         """Return the triggers as they count now: raised, excused, latched."""
@@ -139,11 +143,10 @@ class Engine:
             read[k] = self._latched[k] = max(read[k], min(held, TRUE - reset))
         return read
 
-    def _output(
-        self, before: list[int], raised: Due, reasons: tuple[str, ...]
-    ) -> StateMachineOutput:
+    def _output(self, before: list[int], raised: Due, reasons: list[str]) -> StateMachineOutput:
         now, possible, states = self.last or 0, [*self.occupied], self._machine.states
-        if len(possible) == 1:
+        only = states[possible[0]].id if len(possible) == 1 else ""
+        if only:
             self.since = self.occupied[possible[0]].latest
         elif possible != before or self.since > now:
             self.since = now
@@ -154,21 +157,12 @@ class Engine:
                 self.good_since.pop(claim.id, None)
             begun = self.good_since.setdefault(claim.id, now) if good else now
             evidence[claim.id] = good and now - begun >= claim.hold
-        failed = _verdict([states[k].fail for k in possible])
-        made = StateMachineOutput(
-            id="",
-            state=states[possible[0]].id if len(possible) == 1 else "",
-            possible=tuple([states[k].id for k in possible]),
-            failed=max(failed, UNKNOWN) if withheld else failed,
-            since_seconds=(now - self.since) / 1e9,
-            in_state={},
-            evidence=evidence,
-            raised=raised,
-            unknown_inputs=(),
-            reasons=reasons,
-        )
-        rows = [(one.id, _verdict([k == n for n in possible])) for k, one in enumerate(states)]
-        return made._replace(in_state={k: UNKNOWN if withheld else value for k, value in rows})
+        names, failed = tuple([states[k].id for k in possible]), [states[k].fail for k in possible]
+        in_state = {one.id: _verdict([one.id == name for name in names]) for one in states}
+        claims, since = (in_state, evidence), (now - self.since) / 1e9
+        rest = (names, _verdict(failed), since, *claims, raised, (), tuple(reasons))
+        made = StateMachineOutput("", only, *rest)
+        return made.without_claims() if withheld else made
 
     # A move: each possible state follows its transitions until none fires.
 
@@ -178,38 +172,43 @@ class Engine:
         States are entered between ``low`` and ``high``. ``missed``: steps were, so everything may
         have fired, and nothing is sure to have.
         """
-        later: dict[int, list[Way]] = {}
-        ends: dict[int, Occupied] = {}
         self._low, self._high, self._missed, livelock = low, high, missed, False
+        ends: dict[int, Occupied] = {}
 
-        def end(state: int, one: Occupied) -> None:
+        def end(state: int, one: Occupied, due: Due) -> None:
+            one = one._replace(due=due)
             ends[state] = ends[state].met(one) if state in ends else one
 
-        for source in sorted(self.occupied):
-            begun = self.occupied[source]
-            first = self._options(source, begun, first=True)
-
-            def options(state: int, source: int = source, first: list[Way] = first) -> list[Way]:
-                if state != source and state not in later:
-                    later[state] = self._options(state, Occupied(low, high), first=missed)
-                return first if state == source else later[state]
-
-            entered = {source: begun, **self._entered(source, begun.due, options)}
-            entered[source] = begun
+        firsts = {k: self._options(k, one, first=True) for k, one in sorted(self.occupied.items())}
+        if not any(firsts.values()):
+            self.occupied = {k: self.occupied[k] for k in firsts}
+            return False
+        new = Occupied(low, high)
+        later = [self._options(k, new, first=missed) for k in range(len(self._leaving))]
+        # states where what is momentary and for how long they were occupied make no difference go
+        # together
+        groups = [[k for k in firsts if firsts[k] == later[k]]]
+        for group in groups + [[k] for k in firsts if firsts[k] != later[k]]:
+            options = {**dict(enumerate(later)), **{k: firsts[k] for k in group}}
+            begun = {k: self.occupied[k] for k in group}
+            entered = self._entered({k: one.due for k, one in begun.items()}, options)
             certain: dict[int, int] = {}  # state -> where it is sure to lead
-            for state, here in entered.items():
-                for way in options(state):
+            for state in {**begun, **entered}:
+                sides = [of[state] for of in (begun, entered) if state in of]
+                for way in options[state]:
                     target = self._machine.transitions[way.transition].target
-                    if target == state:  # a self-transition ends the move
-                        end(state, Occupied(low, high, self._hop(here.due, state, state), (way,)))
-                    elif way.verdict == TRUE:
+                    if target != state and way.verdict == TRUE:
                         certain[state] = target
-                if all(way.verdict != TRUE for way in options(state)):
-                    end(state, here)
-                circle = self._entered(state, (), options).get(state)
-                if circle is not None:
-                    due = tuple([one for one in here.due if one not in circle.due])
-                    end(state, circle._replace(due=due + circle.due))
+                    for one in sides if target == state else ():  # this ends the move
+                        end(state, new._replace(ways=(way,)), self._hop(one.due, state, state))
+                stays = all(way.verdict != TRUE for way in options[state])
+                circle = None if stays else self._entered({state: ()}, options).get(state)
+                for one in sides:
+                    if stays:
+                        end(state, one, one.due)
+                    elif circle is not None:
+                        before = [due for due in one.due if due not in circle.due]
+                        end(state, circle, (*before, *circle.due))
             for state in certain:
                 passed = state
                 for _ in certain:
@@ -238,14 +237,14 @@ class Engine:
                 break
         return found
 
-    def _entered(self, source: int, due: Due, options: Options) -> dict[int, Occupied]:
+    def _entered(self, begun: Mapping[int, Due], options: Options) -> dict[int, Occupied]:
         """Return each state that is entered, with what is due on all ways to it."""
         found: dict[int, Occupied] = {}
-        open_ = [(source, due)]
+        open_ = [*begun.items()][::-1]
         while open_:
             state, due = open_.pop()
             onward = []
-            for way in options(state):
+            for way in options[state]:
                 target = self._machine.transitions[way.transition].target
                 if target != state:
                     new = Occupied(self._low, self._high, self._hop(due, state, target), (way,))

@@ -106,11 +106,8 @@ class StateMachineOutput(NamedTuple):
     unknown_inputs: tuple[str, ...]
     reasons: tuple[str, ...]
 
-    def without_claims(self, reason: str) -> StateMachineOutput:
-        return self._replace(
-            failed=max(self.failed, 1),
-            in_state=dict.fromkeys(self.in_state, 1),
-            evidence=dict.fromkeys(self.evidence, False),
-            raised=(),
-            reasons=(*self.reasons, reason),
-        )
+    def without_claims(self, *reasons: str) -> StateMachineOutput:
+        """Return it for a step in which nothing may be claimed."""
+        unknown, off = dict.fromkeys(self.in_state, 1), dict.fromkeys(self.evidence, False)
+        made = self._replace(failed=max(self.failed, 1), in_state=unknown, evidence=off)
+        return made._replace(reasons=(*self.reasons, *reasons))

@@ -18,6 +18,7 @@ _NAMES = ("FALSE", "UNKNOWN", "TRUE")
 _VERDICTS = (False, None, True)
 _KEPT = 32  # changes, for people
 _MOST = 256  # actions that wait for ``published``
+_EARLY = ("missing", "untold")  # states of an input that has not been known since the start
 _WITHHELD = {
     "clock": "the clock stands, or went back",
     "inconsistent": "what is observed excludes every possible state",
@@ -58,7 +59,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         unknown, off = {one.id: 1 for one in self.states}, {one.id: False for one in self.evidence}
         nothing = (self.model_id, "", tuple(unknown), 1, 0.0, unknown, off, (), (), ())
         self._moved = self._result = StateMachineOutput(*nothing)  # of the last move, and step
-        self._told: dict[tuple[int, Way], str] = {}  # state and way -> how it was entered
+        self._late: set[int] = set()  # inputs for which it waits
         self._changes: deque[str] = deque(maxlen=_KEPT)
         self._pending: deque[RaisedAction] = deque(maxlen=_MOST)
         self._failures: dict[str, tuple[str, int]] = {}  # method -> why it failed, how often
@@ -76,16 +77,18 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         if t is None:
             self.raw = self.read(eddi_input)
         self._look()
-        unknown = tuple([spec.id for spec in self._unknown()])
+        unusable = [k for k, one in enumerate(self._usable) if not one]
+        unusable = [k for k in unusable if self._came[k] or k not in self._sporadic]
+        unknown = tuple([self.inputs[k].id for k in unusable])
         if t is not None and t != self._engine.last:
             before, self._usable_then = self._moved, self._usable
             made = self._move(t, verdicts)
             self._moved = made._replace(id=self.model_id, unknown_inputs=unknown)
-            self._pending.extend(
-                one for one in made.raised if one.certain or one not in before.raised
-            )
-            self._note(t, before.possible != made.possible)
+            known = [one for one in before.raised if not one.certain]
+            self._pending.extend([one for one in made.raised if one not in known])
             self._result = self._moved
+            if made.possible != before.possible:
+                self._changes.append(f"{t / 1e9:.1f} s: {self._change(before)}")
         else:
             self._result = self._moved._replace(raised=(), unknown_inputs=unknown)
             lost = any(then and not now for then, now in zip(self._usable_then, self._usable))
@@ -98,28 +101,22 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             self.published(log.warning, lambda *row: log.error("%s: %s\n%s", *row))
         return self._result
 
-    def _unknown(self) -> Iterator[InputSpec]:
-        for k, spec in enumerate(self.inputs):
-            if not self._usable[k] and (self._came[k] or k not in self._sporadic):
-                yield spec
-
     def _look(self) -> None:
-        """Note which inputs have come and have a value, and what messages say."""
+        """Note which inputs have come and have a value, and what messages tell."""
         states = states_of(self._source)
         known = [raw is not None for raw in self.raw]
         for k, spec in enumerate(self.inputs):
             state = states.get(spec.id)
-            absent = state is None or state.state == "missing" or state.reason == UNDECIDED
-            self._came[k] = self._came[k] or known[k] or not absent
+            early = state is None or state.state in _EARLY or state.reason == UNDECIDED
+            self._came[k] = self._came[k] or known[k] or not early
         self._usable = [one and not self._unusable(k) for k, one in enumerate(known)]
         for k, one in enumerate(self._asked):
             if one.messages:
                 (n,) = one.needs
                 raw: Any = self.raw[n]
+                raw = () if raw is None and n in self._sporadic and not self._came[n] else raw
                 rows = raw if issubclass(type(raw), (list, tuple)) else (raw,)
                 truths = [FALSE, *map(truth, rows)]
-                if raw is None and n in self._sporadic and not self._came[n]:
-                    truths = [FALSE]
                 self._happened[k] = max(self._happened[k], TRUE if TRUE in truths else max(truths))
 
     def _move(self, t: int, verdicts: Sequence[Number]) -> StateMachineOutput:
@@ -127,11 +124,9 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         last, given, size = self._engine.last, iter(verdicts), len(self.triggers)
         if last is not None and not 0 < t - last <= self.max_gap:
             self._settling = [False] * len(self._asked)
-        values, waiting = [], False
+        values, waiting, self._late = [], False, set()
         for k, one in enumerate(self._asked):
-            value = (
-                FALSE if one.raised else self._happened[k] if one.messages else int(next(given))
-            )
+            value = self._happened[k] if one.raised or one.messages else int(next(given))
             wrong = any(self._came[n] and not self._usable[n] for n in one.needs)
             never = [n for n in one.needs if not self._came[n]]
             if wrong or (value != UNKNOWN and not never):
@@ -142,7 +137,9 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
                 early, late = False, []
             is_observed = size <= k < size + len(self.observe)
             values.append(FALSE if early and not is_observed else value)
-            waiting = waiting or (k < size and bool(late or (early and not one.momentary)))
+            if k < size:
+                self._late.update(late)
+                waiting = waiting or bool(late) or (early and not one.momentary)
         observed = {state: value for (state, _), value in zip(self.observe, values[size:])}
         reset = values[-1] if self.reset_by else FALSE
         self._happened = [FALSE] * len(self._asked)
@@ -188,24 +185,26 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         return {"state": output.state or None, "failed": failed, **states, **output.evidence}
 
     def message(self, output: object) -> Tree:
-        given = output if isinstance(output, StateMachineOutput) else None
+        given = output if type(output) is StateMachineOutput else None
         self._output_faults = () if given else ("the output is no result of this monitor",)
         given = given or self._moved._replace(raised=()).without_claims("output")
-        states = [(name, value, value == TRUE) for name, value in given.in_state.items()]
-        raised: list[Tree] = [("StateMachineAction", one._asdict()) for one in given.raised]
-        return "StateMachineOutput", {
-            "id": given.id,
-            "state": given.state,
+        states = [
+            ("StateVerdict", {"id": name, "verdict": verdict, "active": verdict == TRUE})
+            for name, verdict in given.in_state.items()
+        ]
+        pairs = given.evidence.items()
+        fields: dict[str, Any] = {
+            **given._asdict(),
             "possible": [*given.possible],
-            "failed": given.failed,
-            "since_seconds": given.since_seconds,
-            "in_state": _rows("StateVerdict", ("id", "verdict", "active"), states),
-            "evidence": _rows("StateMachineEvidence", ("id", "active"), given.evidence.items()),
-            "raised": raised,
+            "in_state": states,
+            "evidence": [("StateMachineEvidence", {"id": k, "active": on}) for k, on in pairs],
+            "raised": [("StateMachineAction", one._asdict()) for one in given.raised],
             "unknown_inputs": [*given.unknown_inputs],
             "reason": ", ".join(given.reasons),
             "accepted": [*self.accepted()],
         }
+        del fields["reasons"]
+        return "StateMachineOutput", fields
 
     def accepted(self) -> tuple[str, ...]:
         excused = [f"{self.triggers[k].text}: absent: true" for k in self._engine.excused]
@@ -214,100 +213,78 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
 
     def blocked(self) -> Mapping[str, tuple[str, ...]]:
         lost = tuple([name for name, on in self._result.evidence.items() if not on])
-        return {spec.id: lost or ("state",) for spec in self._unknown()}
+        return dict.fromkeys(self._result.unknown_inputs, lost or ("state",))
 
     # Why.
 
     def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
-        result, names = self._result, [one.id for one in self.states]
-        good = {one.id for one in self.states if not one.fail}
+        result, good = self._result, {one.id for one in self.states if not one.fail}
+        for one in self.evidence:
+            inside = {self.states[k].id for k in one.states}
+            since = self._lasting(self._engine.good_since.get(one.id))
+            hold = Cause((), "hold", TEXTS["hold"], since=since, limit=one.hold / 1e9)
+            verdict = max([result.in_state[name] for name in inside], default=FALSE)
+            verdict = TRUE if result.evidence[one.id] else min(verdict, UNKNOWN)
+            yield one.id, verdict, self._causes(inside) or [hold]
         yield "failed", TRUE - result.failed, self._causes(good)
         for name, verdict in result.in_state.items():
             yield name, verdict, self._causes({name})
-        for one in self.evidence:
-            inside = {names[k] for k in one.states}
-            verdict = max(result.in_state[name] for name in inside)
-            hold = Cause((), "hold", TEXTS["hold"], limit=one.hold / 1e9)
-            hold = hold._replace(since=self._lasting(self._engine.good_since.get(one.id)))
-            verdict = TRUE if result.evidence[one.id] else min(verdict, UNKNOWN)
-            yield one.id, verdict, self._causes(inside) or [hold]
 
     def _causes(self, inside: set[str]) -> list[Cause]:
         """Return why the system is not known to be in one of these states."""
         reasons, possible = self._result.reasons, self._result.possible
-        texts = [text for reason, text in _WITHHELD.items() if reason in reasons]
-        causes = [Cause((), "invalid", text) for text in texts]
+        causes = [
+            Cause((), "invalid", text) for name, text in _WITHHELD.items() if name in reasons
+        ]
         if "waiting" in reasons:
-            late = [spec for k, spec in enumerate(self.inputs) if not self._came[k]]
-            causes += self._of_unknown(late, {}) or [Cause((), "window", TEXTS["window"])]
-        sure = inside.isdisjoint(possible)
+            late = self._of_unknown([self.inputs[n] for n in sorted(self._late)], {})
+            filled = self._lasting(self.since or None)
+            causes += late or [Cause((), "window", TEXTS["window"], since=filled)]
+        sure, perhaps = inside.isdisjoint(possible), "" if len(possible) == 1 else "perhaps "
         for state, one in self._engine.occupied.items() if not causes else ():
-            name = self.states[state].id
-            if name in inside:
+            if self.states[state].id in inside:
                 continue
-            since = self._lasting(one.latest if len(possible) == 1 else one.earliest)
-            text = f"{'' if len(possible) == 1 else 'perhaps '}in {name} for {{since}}"
+            since = self._lasting(one.earliest if perhaps else one.latest)
+            text = f"{perhaps}in {self.states[state].id} for {{since}}"
             ways = sorted(one.ways, key=lambda way: -way.verdict)
-            unknown = self._not_known([way.trigger for way in ways if way.verdict == UNKNOWN])
+            unknown = self._unknown_of(*[way.trigger for way in ways if way.verdict == UNKNOWN])
             if sure or not unknown:
-                because = f", because {self._decider(ways[0])}" if ways else ""
-                state_of_cause = "false" if sure else "window"
-                causes.append(Cause((), state_of_cause, text + because, since=since))
+                text += f", because {self._because(ways[0])}" if ways else ""
+                causes.append(Cause((), "false" if sure else "window", text, since=since))
             else:
                 detail = text.replace("{since}", seconds(since))
                 causes += self._of_unknown(unknown, self.faults(), detail)
         return causes
 
-    def _not_known(self, triggers: Iterable[int]) -> list[InputSpec]:
+    def _unknown_of(self, *triggers: int) -> list[InputSpec]:
         needs = {n for k in triggers if k >= 0 for n in self.triggers[k].needs}
         return [self.inputs[n] for n in sorted(needs) if not self._usable[n]]
 
-    def _decider(self, way: Way) -> str:
+    def _because(self, way: Way) -> str:
         """Return what let a transition fire."""
-        transition = self.transitions[way.transition]
+        row, doubt = self.transitions[way.transition], way.verdict == UNKNOWN
         if way.trigger >= 0:
-            return self.triggers[way.trigger].text
-        source = self.states[transition.source].id
-        return f"it was {length((transition.after or 0) / 1e9)} in {source}"
+            return f"{self.triggers[way.trigger].text}{' was not known' if doubt else ''}"
+        stay = f"{length((row.after or 0) / 1e9)} in {self.states[row.source].id}"
+        return f"it {'may have been' if doubt else 'was'} {stay}"
+
+    def _change(self, before: StateMachineOutput) -> str:
+        """Return what has become possible, and why."""
+        rows = [(self.states[k].id, one.ways) for k, one in self._engine.occupied.items()]
+        new = [(name, ways[0]) for name, ways in rows if ways and name not in before.possible]
+        why = [f"{name} because {self._because(way)}" for name, way in new]
+        return "; ".join([" or ".join(self._moved.possible), *why, *self._moved.reasons])
 
     def explain(self) -> str:
         """Return how each possible state was entered, the triggers now, and the last changes."""
         lines = []
         for state, one in self._engine.occupied.items():
-            least, most = seconds(self._lasting(one.latest)), seconds(self._lasting(one.earliest))
-            lines.append(
-                f"{self.states[state].id} for {least}" + (f" .. {most}" if most != least else "")
-            )
-            lines += [f"  {self._told[state, way]}" for way in one.ways]
-        lines += [self._value(k) for k in range(len(self.triggers))]
-        return "\n".join([*lines, *self._changes])
-
-    def _value(self, k: int) -> str:
-        value = self._engine.values[k]
-        unknown = self._not_known([k]) if value == UNKNOWN else []
-        chains = "; ".join([cause.chain for cause in self._of_unknown(unknown, self.faults())])
-        return f"{self.triggers[k].text} {_NAMES[value]}" + (f" ({chains})" if chains else "")
-
-    def _note(self, t: int, is_other: bool) -> None:
-        """Keep how states were entered, and that the set is another one."""
-        told, new = {}, []
-        for state, one in self._engine.occupied.items():
+            since = [seconds(self._lasting(t)) for t in (one.latest, one.earliest)]
+            lines.append(f"{self.states[state].id} for {' .. '.join(dict.fromkeys(since))}")
             for way in one.ways:
-                told[state, way] = self._told.get((state, way), "")
-                if not told[state, way]:
-                    row = self.transitions[way.transition]
-                    values = [
-                        self._value(k) for k in row.triggers if self._engine.values[k] != FALSE
-                    ]
-                    by = ", ".join(values) or self._decider(way)
-                    name = " ".join(filter(None, (row.name, row.place and f"({row.place})")))
-                    told[state, way] = f"by {name}: {by}"
-                    new.append(f"{self.states[state].id} {told[state, way]}")
-        self._told = told
-        if is_other or new:
-            why = "; ".join([*self._moved.reasons, *new])
-            self._changes.append(f"{t / 1e9:.1f} s: {' or '.join(self._moved.possible)}: {why}")
-
-
-def _rows(message: str, fields: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[Tree]:
-    return [(message, dict(zip(fields, row))) for row in rows]
+                row = self.transitions[way.transition]
+                lines.append(f"  by {row.name} {row.place}, because {self._because(way)}")
+        for k, (trigger, value) in enumerate(zip(self.triggers, self._engine.values)):
+            causes = self._of_unknown(self._unknown_of(k), self.faults())
+            lines.append(f"{trigger.text}: {_NAMES[value]} {'; '.join([c.chain for c in causes])}")
+        return "\n".join([*lines, *self._changes])
