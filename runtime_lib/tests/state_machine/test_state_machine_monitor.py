@@ -85,9 +85,11 @@ def test_nothing_is_claimed_before_all_inputs_have_come():
     assert set(output.in_state.values()) == {1}
     assert FAULT in output.unknown_inputs
     assert robot.why("NotFailed").startswith(f"NotFailed <- {LOW} <- /low: no message yet, 0.0 s")
-    output = robot.step(1, QUIET, {DIRTY: True})
-    assert (output.state, output.failed, output.evidence["NotFailed"]) == ("Slow", 0, True)
-    assert "restore_speed" not in robot.monitor.explain()
+    output = robot.step(1, {FAULT: True})
+    assert (output.state, output.failed, output.reasons) == ("Halted", 2, ("waiting",))
+    assert robot.why("failed") == f"failed: in Halted for 0.0 s, because {FAULT}"
+    output = robot.step(2, QUIET, reset=True)
+    assert (output.state, output.failed, output.evidence["NotFailed"]) == ("Ready", 0, True)
 
 
 def test_a_silent_input_takes_claims_away_and_nothing_of_itself_brings_them_back():

@@ -114,8 +114,8 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             if one.messages:
                 (n,) = one.needs
                 raw: Any = self.raw[n]
-                raw = () if raw is None and n in self._sporadic and not self._came[n] else raw
-                rows = raw if issubclass(type(raw), (list, tuple)) else (raw,)
+                raw = [] if raw is None and n in self._sporadic and not self._came[n] else raw
+                rows = list.__iter__(raw) if issubclass(type(raw), list) else (raw,)
                 truths = [FALSE, *map(truth, rows)]
                 self._happened[k] = max(self._happened[k], TRUE if TRUE in truths else max(truths))
 
@@ -233,14 +233,13 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
     def _causes(self, inside: set[str]) -> list[Cause]:
         """Return why the system is not known to be in one of these states."""
         reasons, possible = self._result.reasons, self._result.possible
-        causes = [
-            Cause((), "invalid", text) for name, text in _WITHHELD.items() if name in reasons
-        ]
-        if "waiting" in reasons:
+        sure, perhaps = inside.isdisjoint(possible), "" if len(possible) == 1 else "perhaps "
+        withheld = () if sure else [name for name in _WITHHELD if name in reasons]
+        causes = [Cause((), "invalid", _WITHHELD[name]) for name in withheld]
+        if "waiting" in reasons and not sure:
             late = self._of_unknown([self.inputs[n] for n in sorted(self._late)], {})
             filled = self._lasting(self.since or None)
             causes += late or [Cause((), "window", TEXTS["window"], since=filled)]
-        sure, perhaps = inside.isdisjoint(possible), "" if len(possible) == 1 else "perhaps "
         for state, one in self._engine.occupied.items() if not causes else ():
             if self.states[state].id in inside:
                 continue
