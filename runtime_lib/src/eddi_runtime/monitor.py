@@ -195,9 +195,6 @@ class Monitor(Protocol[Output]):
         now = step_time(self._at)
         return 0.0 if now is None or began is None else max(now - began, 0) / 1e9
 
-    def blocked(self) -> Mapping[str, tuple[str, ...]]:
-        """Return input id -> outputs that are not given because it is not known now."""
-
     def accepted(self) -> Sequence[str]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
         return accepted(self.inputs, self._source)
