@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.options import Domains
 from eddi_scaffold.common.problems import EddiError, problem
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ _MASTER = "http://localhost:11311"
 def watch(
     bag: Path | None = None,
     master: str | None = None,
-    domain: Annotated[list[int] | None, typer.Option("--domain", min=0, max=232)] = None,
+    domain: Domains = None,
     robot: list[str] | None = None,
     patience: Annotated[float, typer.Option("--patience", min=0.1)] = 3.0,
     text: bool = False,
@@ -55,7 +56,7 @@ def watch(
     from eddi_scaffold.watch.messages import requested_robots
 
     state = FleetState(requested_robots(robot or ()), patience)
-    source, clock = _opened(bag, master, domain, None if text or as_json else speed)
+    source, clock = opened(bag, master, domain, None if text or as_json else speed)
     try:
         if not (text or as_json):
             _serve(source, state, clock, port)
@@ -67,7 +68,7 @@ def watch(
         source.close()
 
 
-def _opened(
+def opened(
     bag: Path | None, master: str | None, domains: list[int] | None, speed: float | None
 ) -> tuple[Source, Clock]:
     """Return the source that is asked for, and what writes its times."""

@@ -168,7 +168,6 @@ def test_debouncing_stands_in_the_reason():
     assert one.explain("G").text() == (
         "G is FALSE, not active\n  needs x (debouncing, 2 of 4 good samples)"
     )
-    assert one.blocked() == {}
     one = made("majority", 3)
     run(one, "F F T")
     assert one.reasons()["x"].text == "majority, 1 of 3 samples good"

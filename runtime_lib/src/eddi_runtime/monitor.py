@@ -209,9 +209,6 @@ class Monitor(Protocol[Output]):
         # where the clock went back, no longer than since then
         return (now - began) / 1e9 if now >= began else self._known_for(*self.inputs)
 
-    def blocked(self) -> Mapping[str, tuple[str, ...]]:
-        """Return input id -> outputs that are not given because it is not known now."""
-
     def accepted(self) -> Sequence[str]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
         return accepted(self.inputs, self._source)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, 
 from ..inputs import accepted, look_again, states_of, step_time
 from ..monitor import Monitor, Tree, row_trees
 from ..plain_values import ABSENT, exactly, plain, read
-from ..why import TRUE, UNKNOWN, Cause
+from ..why import TRUE, Cause
 from .verdicts import (
     FAULT,
     MISSING,
@@ -215,17 +215,6 @@ class ConSert(Monitor[Rows]):
         rows = zip(self.inputs, self.filter.values, self._judgements())
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
         return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
-
-    def blocked(self) -> dict[str, tuple[str, ...]]:
-        """Return input id -> inactive guarantees that depend on it, for inputs not known now."""
-        sets, found = self._sets(), {}
-        values = zip(self._input_ids, self._judgements())
-        unknown = [name for name, (value, _) in values if value == UNKNOWN]
-        blocking = [(one.id, sets.blocking(one)) for one in self.guarantees if unknown]
-        for name in unknown:
-            if ids := tuple(id_ for id_, by in blocking if name in by):
-                found[name] = ids
-        return found
 
     def faults(self) -> dict[str, str]:
         return {

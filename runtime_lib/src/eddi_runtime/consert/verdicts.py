@@ -229,7 +229,3 @@ class Sets:
     def granting(self, one: Guarantee) -> Group:
         """Return the TRUE inputs that a guarantee can rest on."""
         return tuple(sorted(self._true.intersection(name for path in one.paths for name in path)))
-
-    def blocking(self, one: Guarantee) -> frozenset[str]:
-        """Return the inputs that keep a guarantee from being TRUE."""
-        return frozenset(name for group in self.missing(one)[0] for name in group)
