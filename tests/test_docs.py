@@ -193,7 +193,8 @@ def test_pages_are_short() -> None:
     assert words(PAGES[0]) <= 700
     assert sum(map(words, path)) <= 4_000
     pages = [page for page in PAGES[1:] if page.name != "python.md"]  # written from docstrings
-    looked_up = [page for page in pages if page.parent.name == "reference"]
+    written = ("messages.md",)  # of the fields of all messages
+    looked_up = [p for p in pages if p.parent.name == "reference" and p.name not in written]
     assert [page.name for page in looked_up if words(page) > 1_200] == []
     assert sum(map(words, pages)) <= 35_000
 

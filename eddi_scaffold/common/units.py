@@ -213,6 +213,18 @@ def duration(quantity: object, unit: str | None = None) -> Quantity:
     return Quantity(_finite(value, quantity), has_unit=True)
 
 
+def seconds(quantity: object) -> float:
+    """Read a duration of up to a year in seconds; only 0 needs no unit.
+
+    Raises:
+        QuantityError: it is none, negative, longer, or has no unit.
+    """
+    hours, has_unit = duration(quantity)
+    if hours > 8760.0 or (hours and not has_unit):
+        raise QuantityError(f"{quantity!r} is no time of up to a year", "write a time such as 2 s")
+    return round(hours * 3600.0, 9)
+
+
 def temperature(quantity: object) -> float:
     """Read a temperature with its unit in degC.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from eddi_scaffold.common.claims import Holds, Meaning, Meanings, Use, ValidityField
@@ -35,6 +35,7 @@ class FieldReading:
     holds: Holds  # which values bring a claim of the monitor nearer
     # further fields, with tests that hold as well when the claim is made this way
     companions: tuple[tuple[Field, Holds], ...] = ()
+    is_three_valued: bool = False  # what is not known counts as UNKNOWN, not as a value
 
 
 class Readings:
@@ -50,7 +51,11 @@ class Readings:
         self._sources = {attribute(source.id): source for source in form.SimulatorOutputs}
         # inputs with `polarity: HAZARD` whose being true, and so silence, brings a claim nearer
         self.inverted: dict[str, None] = {}
-        fields = [use for input_ in monitor.inputs for use in self._of(input_, input_.model.uses)]
+        fields = [
+            replace(use, is_three_valued=input_.model.is_three_valued)
+            for input_ in monitor.inputs
+            for use in self._of(input_, input_.model.uses)
+        ]
         self.fields = tuple(dict.fromkeys(fields))
 
     def _of(self, binding: InputBinding, used: Sequence[Use]) -> Iterator[FieldReading]:
@@ -150,6 +155,8 @@ def _judge(
     if any(isinstance(step, Index) for step in field.path):
         yield problem("D007.by_place", reading.place, reading=reading.text)
     meaning, names = field.meaning, {"input": reading.input, "reading": reading.text}
+    if reading.is_three_valued and meaning.known:
+        return  # the value is UNKNOWN where the message says so
     name = f"{attribute(reading.source.id)}{''.join(pattern(reading.path))}"
     if meaning.silent is not None and not any(reading.holds(value) for value in meaning.silent):
         if meaning.bad is not None and list(map(reading.holds, meaning.bad)) == [True, False]:

@@ -47,7 +47,9 @@ _READ_NAMES = {fold(name): name for name in (*CLASSES["packages"], *CLASSES["mod
 _MODELS = ", ".join(CLASSES["models"])
 _COMPLETELY_KNOWN = ("failurelogic", "bayesiannetwork")  # packages: every class should be known
 _SIMILAR = 0.8
-MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
+MONITORED = frozenset(
+    {"bayesian_network", "consert", "fault_tree", "markov_chain", "state_machine"}
+)
 """Kinds of models that monitors are made of."""
 _BY_CLASS: Mapping[str, str] = METAMODEL["kinds"]
 _BY_FEATURE: Mapping[str, str] = METAMODEL["kinds_of_features"]
@@ -267,6 +269,19 @@ class EddiFindings:
                 fields = {"actual": self.document.describe(end), "expected": feature.name}
                 self.report("X009.expected", element, link=link.name, **fields)
         return [end for end in ends if is_right[end]]
+
+    def key_value(self, element: Element, key: str) -> str | None:
+        """Return the value of a key of an element, None where it has none."""
+        values = [
+            value
+            for child in self.document.children(element, names.KEY_VALUE_MAPS)
+            if (self.document.attribute(child, names.KEY) or "").casefold() == key.casefold()
+            for value in self.document.children(child, names.VALUES)
+        ]
+        value = self.first(values)
+        return (
+            None if value is None else (self.document.attribute(value, names.VALUE) or "").strip()
+        )
 
     def problems(self) -> list[Problem]:
         """Return everything that was found."""

@@ -20,7 +20,8 @@ from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.eddi_xml.vocabulary import VALUES, fold
 
 EVENTS, SAFEML, MONITORED_BY = "eddi.events", "eddi.safeml", "eddi.monitored_by"
-KEYS = (EVENTS, SAFEML, MONITORED_BY)
+AFTER, PRIORITY = "eddi.after", "eddi.priority"  # of a transition; each has one value
+KEYS = (EVENTS, SAFEML, MONITORED_BY, AFTER, PRIORITY)
 MODEL = "model"
 _QUERY = 'descendant-or-self::*[local-name()="keyValueMaps"][starts-with(@key, "eddi.")]'
 _MOST_VALUES = 1000
@@ -79,7 +80,7 @@ def check_maps(document: EddiDocument) -> Iterator[Problem]:
             continue
         if len(extension_map.values) > _MOST_VALUES:
             yield problem("X003.values", place, key=key, limit=_MOST_VALUES)
-        if key == MONITORED_BY:
+        if key not in (EVENTS, SAFEML):
             continue
         place = next((value.place for value in reversed(extension_map.of(MODEL))), place)
         if model is None:

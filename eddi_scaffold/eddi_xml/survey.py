@@ -24,6 +24,7 @@ from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, fold, local_name
 
 _READ, _LEFT_OUT = frozenset(CLASSES["read"]), frozenset(CLASSES["left_out"])
 _MAPS = "keyvaluemaps"
+_OF_MACHINES = frozenset(CLASSES["of_machines"])
 # names in the namespaces of all generations of the metamodel
 _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
 
@@ -135,8 +136,6 @@ class Unread(NamedTuple):
         listed = listed if name == self.class_name else f"{self.class_name}, {listed}"
         verb, them = ("is", "it") if self.number == 1 else ("are", "them")
         read = f"{verb} not read: no monitor is made of {them}"
-        if fold(name) == "statemachine":
-            read = f"{verb} listed by `show`: no monitor is made of {them} yet"
         fields = {"name": name, "listed": listed, "read": read}
         return problem("X021.ignored", self.place, number=self.number, **fields)
 
@@ -144,8 +143,12 @@ class Unread(NamedTuple):
 def unread(document: EddiDocument) -> list[Unread]:
     """Return each class of packages and models that nothing reads, in document order."""
     classes: dict[str, list[Element]] = {}
+    has_machine = any(
+        document.kind_of(each) == "state_machine" for each in document.document.iter()
+    )
     for element in _unread_elements(document):
-        classes.setdefault(document.class_or_feature(element), []).append(element)
+        if not (has_machine and document.class_of(element).name in _OF_MACHINES):
+            classes.setdefault(document.class_or_feature(element), []).append(element)
     result = []
     for class_name, elements in classes.items():
         below = [each for element in elements for each in element.iterdescendants()]
@@ -244,7 +247,7 @@ def check_features(document: EddiDocument) -> Iterator[Problem]:
     waiting = list(reversed(document.roots))
     while waiting:
         element = waiting.pop()
-        if document.kind_of(element) not in MONITORED | {"failure_model", "state_machine"}:
+        if document.kind_of(element) not in MONITORED | {"failure_model"}:
             waiting += reversed(element)
             continue
         for part in element.iter():

@@ -99,11 +99,17 @@ NETWORKS = (
 """XPath below a root: Bayesian networks."""
 
 _LOWER = 'translate({0}, "FAULTREMKOVCHINS", "faultremkovchins")'
-_CLASS = " or ".join(
-    f'contains({_LOWER}, "{name}")' for name in ("faulttree", "markovchain", "statemachine")
-)
-CHAINS_AND_TREES = (
-    f"self::*[{_CLASS.format('local-name()')}] | "
-    f'descendant-or-self::*[@*[local-name() = "type" and ({_CLASS.format(".")})]]'
-)
-"""XPath at a root: chains, trees and state machines; classes are compared without case."""
+
+
+def _of_classes(*classes: str) -> str:
+    holds = " or ".join(f'contains({_LOWER}, "{name}")' for name in classes)
+    return (
+        f"self::*[{holds.format('local-name()')}] | "
+        f'descendant-or-self::*[@*[local-name() = "type" and ({holds.format(".")})]]'
+    )
+
+
+MACHINES = _of_classes("statemachine")
+"""XPath at a root: state machines; classes are compared without case."""
+CHAINS_AND_TREES = _of_classes("faulttree", "markovchain", "statemachine")
+"""XPath at a root: chains, trees and state machines."""

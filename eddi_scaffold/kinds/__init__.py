@@ -69,6 +69,9 @@ class ModelInput:
     sample: JsonValue = None
     states: tuple[str, ...] = ()  # names of the states of one that is a state, for a draft
     timeout: float | None = None  # seconds after which the model takes it as unknown, for a draft
+    is_three_valued: bool = (
+        False  # UNKNOWN is a value of its own, so that no value of it is silence
+    )
     is_demand: bool = False  # what other systems have to fulfil
     # how its value can bring a claim of the monitor nearer; by default any value that is known may
     uses: tuple[Use, ...] = (Use(),)
@@ -122,6 +125,8 @@ class Options:
     parts: tuple[str | None, ...] = ()
     # path into `values` (`"outputs", 0`) -> its place, or that of what encloses it
     place: Callable[..., Place] = lambda *_: Place()
+    # the same -> offset in the text there -> its place
+    inside: Callable[..., Callable[[int], Place]] = lambda *_: lambda _: Place()
 
 
 @dataclass(frozen=True)
@@ -161,7 +166,7 @@ class EditableModule:
     lines of the few forms that ``copier_templates/shapes.jinja`` takes.
     """
 
-    file: str  # file name; it ends in `_config.py`
+    file: str  # file name; it ends in `_config.py`, or is `actions.py`
     docstring: str
     class_name: str  # its class, of which the monitor gets an instance
     class_docstring: str

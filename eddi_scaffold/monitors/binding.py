@@ -57,6 +57,7 @@ def options_of(file: ConfigFile | None) -> Options:
         frequency=section.frequency,
         parts=tuple(output.event for output in config.EDDIOutputs),
         place=lambda *path: file.place("Model", *path),
+        inside=lambda *path: file.inside("Model", *path),
     )
 
 

@@ -146,8 +146,10 @@ def older_spellings(documents: Sequence[Map]) -> Iterator[Problem]:
         (key.place, key.text, _OLDER[key.text])
         for document in documents
         for entry in [document.get("Model"), *items_of(document.get("EDDIInputs"))]
-        for key, _ in (entry.entries if isinstance(entry, Map) else ())
+        for key, value in (entry.entries if isinstance(entry, Map) else ())
         if key.text in _OLDER
+        # of a state machine it is no threshold
+        if key.text != "evidence" or any(text_of(item, "node") for item in items_of(value))
     ]
     types = [
         (value.place, type_, re.sub(r"\.|/msg/", "/", type_))

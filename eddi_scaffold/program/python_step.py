@@ -109,12 +109,14 @@ class Printer:
         elements: Mapping[int, str] | None = None,
         *,
         copied: bool = False,  # what is called is in the same module, else in `expressions`
+        arguments: Sequence[str] = (),  # names that `__init__` takes, each by default None
     ) -> None:
         self._program = program
         self._operations = program.operations
         self._names = names
         self._elements = elements or {}
         self._copied = copied
+        self._arguments = arguments
         ops = [operation.op for operation in program.operations]
         self._windows = [k for k, op in enumerate(ops) if op in WINDOWS]
         self._filters = [k for k, op in enumerate(ops) if op in FILTERS]
@@ -133,11 +135,12 @@ class Printer:
         lines = []
         if self._windows:
             rows = (Item(self._new(k), behind=self._operations[k].about) for k in self._windows)
-            lines += ["", "    def __init__(self):"]
+            taken = "".join(f", {name}=None" for name in self._arguments)
+            lines += ["", f"    def __init__(self{taken}):"]
             lines += assignment("self.windows", tuple_of(rows), 8)
             pushes = enumerate(self._windows)
             lines += [f"        self.w{k} = self.windows[{place}].push" for place, k in pushes]
-            lines += ["        super().__init__()"]
+            lines += [f"        super().__init__({', '.join(self._arguments)})"]
         if self._state:
             lines += ["", "    def restart(self):", "        super().restart()"]
             lines += [f"        self.{field} = {start}" for field, start in self._state.items()]

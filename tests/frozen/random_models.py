@@ -232,11 +232,63 @@ def _safeml(number: int) -> Files:
     return {**files, "scope_config.yml": _SCOPE.read_text("utf-8")}
 
 
+_EMF = """<?xml version="1.0" encoding="UTF-8"?>
+<i:DDIPackage xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+ xmlns:i="http://www.deis-project.eu/ode/integration"
+ xmlns:e="http://www.sesame-project.eu/ode/event"
+ xmlns:f="http://www.deis-project.eu/ode/failureLogic">
+<p xsi:type="e:EventPackage">{events}</p>
+<p xsi:type="f:FailureLogicPackage">
+<failureModels xsi:type="f:StateMachine" name="machine">{states}{transitions}</failureModels>
+{actions}</p>
+</i:DDIPackage>
+"""
+
+
+def _state_machine(number: int) -> Files:
+    rng = Random(f"state_machine {number}")
+    sizes = rng.randint(2, 6), rng.randint(2, 9), rng.randint(2, 5), rng.randint(1, 5)
+    count, arcs, triggers, actions = sizes
+
+    def refer(path: str, most: int, limit: int) -> str:
+        chosen = rng.sample(range(most), rng.randint(0, min(limit, most)))
+        return " ".join(f"{path}.{k}" for k in chosen)
+
+    parts: dict[str, list[str]] = {"events": [], "states": [], "transitions": [], "actions": []}
+    for k in range(triggers):
+        of = rng.choice(["Condition", "Condition", "External"])
+        keeps = ' isPersistent="true"' * (rng.random() < 0.2)
+        parts["events"].append(
+            f'<events xsi:type="e:{of}Event" name="t{k}" condition="t {k}"{keeps}/>'
+        )
+    for k in range(count):
+        flags = f'isInitialState="{str(k == 0).lower()}" isFailState="{str(k % 3 == 2).lower()}"'
+        path = "//@p.1/@actions"
+        on = f'onEntry="{refer(path, actions, 2)}" onExit="{refer(path, actions, 1)}"'
+        parts["states"].append(f'<states name="S {k}" {flags} {on}/>')
+    for k in range(arcs):
+        a, b = rng.randrange(count), rng.randrange(count)
+        path = "//@p.1/@failureModels.0/@states"
+        on = refer("//@p.0/@events", triggers, 2)
+        key, value = rng.choice([("after", "2 s"), ("priority", "1"), ("", "")])
+        value = f'<values tag="value" value="{value}"/>'
+        text = f'<keyValueMaps key="eddi.{key}">{value}</keyValueMaps>' if key else ""
+        ends = f'fromState="{path}.{a}" toState="{path}.{b}"'
+        parts["transitions"].append(
+            f'<transitions name="a{k}" {ends} triggers="{on}">{text}</transitions>'
+        )
+    for k in range(actions):
+        of, key = rng.choice([("Function", "function"), ("Warning", "warning")])
+        parts["actions"].append(f'<actions xsi:type="f:{of}Action" name="x" {key}="do {k}"/>')
+    return {"machine.xml": _EMF.format(**{key: "".join(of) for key, of in parts.items()})}
+
+
 MAKERS: Mapping[str, Callable[[int], Files]] = {
     "bayesian_network": _bayesian_network,
     "consert": _consert,
     "event": _event,
     "reliability": _reliability,
     "safeml": _safeml,
+    "state_machine": _state_machine,
 }
 """Kind -> what makes the files of a number."""

@@ -151,7 +151,7 @@ def test_compiled_text_of_random(kind: str, frozen: Frozen, tmp_path: Path) -> N
 
 @pytest.mark.parametrize(
     "example",
-    ["drone", "motor-watch", "pedestrian", "safeml", "two-conserts"],
+    ["drone", "motor-watch", "pedestrian", "safeml", "shuttle", "two-conserts"],
 )
 def test_texts_are_those_of_packages(example: str, tmp_path: Path) -> None:
     ((case, folder),) = folders(f"examples/{example}", tmp_path)

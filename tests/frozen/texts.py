@@ -54,14 +54,14 @@ def compiled(folder: Path, *words: object) -> Parts:
 def computed_by(body: str) -> str:
     """Return a digest of what a text computes: comments and the form of its lines do not count.
 
-    Nor does what it knows only for the sentences that say why: topics, and claims of others.
+    Nor does what it knows only for the sentences that say why: topics, claims of others, places.
     """
     tree = ast.parse(body)
     for node in ast.walk(tree):
         if isinstance(node, ast.ClassDef):
             node.body = [one for one in node.body if not ast.unparse(one).startswith("topics = ")]
         elif isinstance(node, ast.Call):
-            node.keywords = [one for one in node.keywords if one.arg != "claims"]
+            node.keywords = [one for one in node.keywords if one.arg not in ("claims", "place")]
     return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
 
 

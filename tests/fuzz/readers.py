@@ -222,6 +222,7 @@ def _config(folder: Path) -> Made:
         ("rover-events/eddi_config.yml", "Rover.yml"),
         ("motor-watch/motor_config.yml", "motor_watch.events"),
         ("safeml/perception_config.yml", "safeml_config.yml"),
+        ("shuttle/shuttle_config.yml", "shuttle.xml"),
     ):
         path = EXAMPLES / name
         place = folder / path.parent.name
@@ -504,7 +505,7 @@ def _files(*folders: Path) -> Iterator[Path]:
 _MAKERS: dict[str, Callable[[Path], Made]] = {
     "EDDI XML": _models(
         "two-conserts/two_conserts.xml", "drone/drone.xml", "pedestrian/pedestrian.xml",
-        oracles="bn/eddi_pedestrian_fig12.xml",
+        "shuttle/shuttle.xml", oracles="bn/eddi_pedestrian_fig12.xml",
     ),
     "EDDI with maps": _models(
         *(f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards", "scope"))

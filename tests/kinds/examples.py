@@ -6,5 +6,6 @@ EXAMPLES = {
     "event": ("motor-watch/motor_watch.events", "motor-watch/motor_config.yml"),
     "reliability": ("drone/drone.xml", "drone/reliability_config.yml"),
     "safeml": ("safeml/safeml_config.yml", "safeml/perception_config.yml"),
+    "state_machine": ("shuttle/shuttle.xml", "shuttle/shuttle_config.yml"),
 }
 """Kind -> its example: the model, and what connects it."""

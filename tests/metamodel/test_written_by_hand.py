@@ -42,7 +42,7 @@ def test_all_is_read() -> None:
     assert [one.id for one in lift.evidence] == ["OilWarm", "Load"]
     composed = compose([("Lift", lift), ("Camera", camera)])
     assert composed.bindings == {("Lift", "Sees"): (("Camera", "Looks"),)}
-    network, tree = reading("pump.xml").models
+    network, tree, _ = reading("pump.xml").models
     assert network.name == "Risk net"
     # flood, or both pumps, or a storm and pump A
     a, b = 1 - 0.9999000049998333, 1 - 0.9998000199986667

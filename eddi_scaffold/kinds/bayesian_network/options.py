@@ -14,7 +14,7 @@ from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.identifiers import attribute, free_name, is_ros_name
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
-from eddi_scaffold.common.units import QuantityError, accepted, duration
+from eddi_scaffold.common.units import QuantityError, accepted, seconds
 from eddi_scaffold.kinds import ModelInput, Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import (
     Declaration,
@@ -34,7 +34,6 @@ from eddi_scaffold.kinds.bayesian_network.network import (
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _RESERVED = ("t", "reason", "unknown", "valid")
 """Columns of what ``run --csv`` writes, and what reads as if it were about all evidence."""
-_LONGEST_S = 31_536_000.0
 
 
 def _is_id(value: object) -> bool:
@@ -43,11 +42,9 @@ def _is_id(value: object) -> bool:
 
 def _hold_s(value: object) -> float | None:
     try:
-        hours, has_unit = duration(value)
+        return seconds(value)
     except QuantityError:
         return None
-    is_clear = has_unit or not hours
-    return hours * 3600.0 if is_clear and hours * 3600.0 <= _LONGEST_S else None
 
 
 def _are_states(value: object) -> bool:

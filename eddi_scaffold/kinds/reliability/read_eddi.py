@@ -248,7 +248,7 @@ class _TreeReader:
         if is_port and not below:
             self.findings.count("X014.no_input", cause, subject=subject)
         keys = _K if kind == "VOTE" else ()
-        texts = {key: text for key in keys if (text := self.reader.laws.key_value(cause, key))}
+        texts = {key: text for key in keys if (text := self.reader.findings.key_value(cause, key))}
         if len(set(texts.values())) > 1:
             shown = ", ".join(f"{key}={text}" for key, text in texts.items())
             self.findings.report("R005.keys", cause, cause=subject, shown=shown)

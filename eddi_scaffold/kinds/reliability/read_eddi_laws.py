@@ -22,17 +22,6 @@ class Laws:
     def __init__(self, findings: EddiFindings) -> None:
         self.document, self.findings = findings.document, findings
 
-    def key_value(self, element: Element, key: str) -> str | None:
-        """Return the value of a key of an element, None where it has none."""
-        values = [
-            value
-            for child in self.document.children(element, word.KEY_VALUE_MAPS)
-            if (self.document.attribute(child, word.KEY) or "").casefold() == key.casefold()
-            for value in self.document.children(child, word.VALUES)
-        ]
-        value = self.findings.first(values)
-        return None if value is None else (self.document.attribute(value, word.VALUE) or "").strip()
-
     def of_failure(self, failure: Element, event: str, chain: str | None) -> Law | None:
         """Return the law of a failure; ``chain`` is the model whose fail state it is."""
         subject = f"event {event!r}"
@@ -118,12 +107,12 @@ class Laws:
         """Return the unit of the element, or of the innermost element around it that has one."""
         node: Element | None = element
         while node is not None:
-            unit = self.key_value(node, "unit")
+            unit = self.findings.key_value(node, "unit")
             if unit:
                 is_of_rate = units.rate_factor(unit) is not None
                 if is_of_rate == of_rate or not (is_of_rate or units.is_time_unit(unit)):
                     return unit  # an unknown unit is reported
-            time = self.key_value(node, "timeUnit")
+            time = self.findings.key_value(node, "timeUnit")
             if time:
                 return f"1/{time}" if of_rate else time
             node = node.getparent()

@@ -1,0 +1,89 @@
+"""The kind ``state_machine``: in which states a system may be, by what is known.
+
+The state machines of an EDDI are made to be executed. A monitor keeps the set of all states that
+are possible, and claims what holds in each of them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from eddi_scaffold.common.claims import Meaning, Meanings, StatusReading, Verdict, state_of
+from eddi_scaffold.eddi_xml.vocabulary import MACHINES
+from eddi_scaffold.kinds import ClaimField, Kind, messages_in
+
+if TYPE_CHECKING:
+    from eddi_scaffold.common.files import Source
+
+SUFFIX = ".machine"
+"""Before that of the format: of a file of which only the state machine counts."""
+KEYS = ("start", "reset", "observe", "triggers", "transitions", "evidence", "max_gap")
+_UNKNOWN = 1
+_VERDICT = Meaning(
+    (_UNKNOWN,),
+    refused="the verdict is 1 when it is unknown",
+    instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
+    known=(0, 2),
+)
+MEANINGS: Meanings = {
+    "StateMachineOutput": {
+        "state": Meaning(
+            ("",),
+            refused="`state` is empty while several are possible",
+            instead="`in_state[STATE].verdict == 0`",
+        ),
+        "failed": Meaning(
+            (_UNKNOWN,),
+            refused="`failed` is 1 when it is unknown",
+            instead="`failed == 0`, known not to be, or `failed == 2`, known to be",
+            known=(0, 2),
+        ),
+        "in_state[].verdict": _VERDICT,
+        "in_state[].active": Meaning(
+            (False,),
+            refused="`active` of a state is false also when it is unknown",
+            instead="`in_state[STATE].verdict == 0`",
+        ),
+        "evidence[].active": Meaning(
+            (False,),
+            refused="`active` of evidence is false also when it is unknown",
+            instead="evidence of the other states",
+        ),
+    }
+}
+"""Message -> field -> its meaning."""
+
+
+def _status(output: Any) -> StatusReading:
+    reasons = tuple(output.unknown_inputs) or ((output.reason,) if output.reason else ())
+    text = output.state or " or ".join(output.possible)
+    state = state_of(active=output.failed == 0, known=output.failed != _UNKNOWN)
+    verdicts = [Verdict("not failed", state, reasons, text)]
+    for evidence in output.evidence:
+        known = not reasons and bool(output.state)
+        state = state_of(active=evidence.active, known=known)
+        verdicts.append(Verdict(evidence.id, state, () if evidence.active else reasons or (text,)))
+    return StatusReading(tuple(verdicts), output.id, accepted=tuple(output.accepted))
+
+
+def _recognises(source: Source) -> bool:
+    return source.name.lower().endswith((f"{SUFFIX}.xml", f"{SUFFIX}.json"))
+
+
+KIND = Kind(
+    name="state_machine",
+    title="State machine",
+    config_types=("StateMachine",),
+    recognises=_recognises,
+    messages=messages_in(__path__[0]),
+    output_message="StateMachineOutput",
+    verdicts={"StateMachineOutput": _status},
+    model="state_machine_model.StateMachineModel",
+    topic="state",
+    claim=ClaimField("StateMachineOutput", "evidence[{}].active"),
+    in_eddi=MACHINES,
+    options=KEYS,
+    without_input="its triggers are unknown, and every state that they may lead to is possible",
+    inputs_of_model=False,  # triggers of a configuration make inputs
+)
+"""What the generator knows of state machines."""

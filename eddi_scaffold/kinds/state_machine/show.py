@@ -1,0 +1,72 @@
+"""Text and picture of a state machine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from eddi_scaffold.common.escaping import markdown_text
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
+from eddi_scaffold.kinds.state_machine.machine import State, StateMachine, Transition
+from eddi_scaffold.kinds.state_machine.options import Settings
+
+_LEGEND = (
+    LegendEntry("state", "rounded", "neutral"),
+    LegendEntry("initial state", "rounded", "input"),
+    LegendEntry("fail state", "rounded", "warning"),
+)
+
+
+def outline(machine: StateMachine, settings: Settings) -> Iterator[str]:
+    """Yield the states with their transitions, what the triggers are, and what is claimed."""
+    for state in machine.states:
+        yield f"{state.name}{_marks(state)}"
+        yield from (
+            f"  {moment}: {action.kind} {action.text}" for moment, action in state.actions()
+        )
+        for each in machine.ordered(state.name):
+            yield f"  -> {each.target}: {_condition(each)}"
+    for trigger, value in zip(machine.triggers, settings.values, strict=True):
+        words = [value.how, *(["persistent"] if trigger.is_persistent else [])]
+        words += ["unknown counts as false"] if value.is_absent else []
+        yield f"trigger {trigger.text}: {', '.join(filter(None, words))}"
+    yield f"start {settings.start}"
+    for evidence in settings.evidence:
+        yield f"evidence {evidence.id}: {evidence.text}"
+
+
+def _marks(state: State) -> str:
+    marks = [*(["initial"] if state.is_initial else []), *(["fail"] if state.is_fail else [])]
+    return f" ({', '.join(marks)})" if marks else ""
+
+
+def _condition(transition: Transition) -> str:
+    texts = " or ".join(trigger.text for trigger in transition.triggers)
+    after = "" if transition.after is None else f"after {transition.after:g} s"
+    return f"{texts}, {after}" if texts and after else texts or after or "never"
+
+
+def readme(machine: StateMachine, settings: Settings) -> list[str]:
+    """Return the transitions in the order in which they count, and what is claimed."""
+    rows = [("from", "to", "when"), ("---", "---", "---")]
+    ordered = [each for state in machine.state for each in machine.ordered(state)]
+    rows += [(each.source, each.target, _condition(each)) for each in ordered]
+    lines = [f"| {' | '.join(map(markdown_text, row))} |" for row in rows]
+    claims = [
+        f"- `{e.id}`: each possible state is {markdown_text(e.text)}" for e in settings.evidence
+    ]
+    return [*lines, "", *claims]
+
+
+def picture(machine: StateMachine) -> Diagram:
+    """Return what a picture shows."""
+    nodes = []
+    for state in machine.states:
+        tone: Tone = "warning" if state.is_fail else "input" if state.is_initial else "neutral"
+        actions = [f"{moment}: {action.text}" for moment, action in state.actions()]
+        nodes.append(DiagramNode(state.name, (state.name, *actions), "rounded", tone))
+    edges = [DiagramEdge(t.source, t.target, _condition(t)) for t in machine.transitions]
+    tones = {node.tone for node in nodes}
+    legend = tuple(entry for entry in _LEGEND if entry.tone in tones)
+    text = f"{len(nodes)} states, {len(edges)} transitions"
+    title = f"State machine {machine.name}"
+    return Diagram(title, tuple(nodes), tuple(edges), "down", legend, text)

@@ -1,0 +1,154 @@
+"""State machines as models: what is read, shown, claimed and accepted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import ClassVar
+
+from eddi_scaffold import kinds
+from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meanings
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import TODO
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, in_order, problem
+from eddi_scaffold.diagrams import Diagram
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
+from eddi_scaffold.kinds.state_machine import MEANINGS, SUFFIX, show
+from eddi_scaffold.kinds.state_machine.checks import check_machine, check_settings
+from eddi_scaffold.kinds.state_machine.compile import actions_module, compile_machine
+from eddi_scaffold.kinds.state_machine.machine import NAME, StateMachine
+from eddi_scaffold.kinds.state_machine.options import Settings, Value, read_settings
+from eddi_scaffold.kinds.state_machine.read_eddi import read_machines
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
+
+
+@dataclass(frozen=True)
+class StateMachineModel(kinds.Model):
+    """A state machine; its settings come from a configuration, ``None`` without one."""
+
+    kind: ClassVar[str] = NAME
+    data: StateMachine = field(kw_only=True)
+    configured: Settings | None = field(default=None, kw_only=True)
+
+    @classmethod
+    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> kinds.ReadResult:
+        """Read an EDDI of which only the state machine counts, as ``write`` gives it."""
+        document, problems = read_document(source)
+        if document is None:
+            return kinds.ReadResult((), tuple(problems))
+        result = cls.read_eddi(document, source, default_guarantees)
+        return replace(result, problems=(*problems, *result.problems))
+
+    @classmethod
+    def read_eddi(
+        cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
+    ) -> kinds.ReadResult:
+        machines, problems = read_machines(document, source)
+        chosen = [] if has_errors(problems) else machines
+        models = tuple(cls(of.name, source, of.place, data=of) for of in chosen)
+        return kinds.ReadResult(models, tuple(in_order(problems)))
+
+    @classmethod
+    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
+        return MEANINGS
+
+    @cached_property
+    def settings(self) -> Settings:
+        """What a configuration chooses, by default what the machine says itself."""
+        settings = self.configured or read_settings(self.data, kinds.Options())[1]
+        return settings or Settings(tuple(Value() for _ in self.data.triggers))
+
+    def check(self) -> Sequence[Problem]:
+        return check_machine(self.data)
+
+    def counts(self) -> Mapping[str, int]:
+        of = self.data
+        parts = {"states": of.states, "transitions": of.transitions, "triggers": of.triggers}
+        return {key: len(part) for key, part in parts.items()} | {"actions": len([*of.actions()])}
+
+    def outline(self) -> Sequence[str]:
+        return [*show.outline(self.data, self.settings)]
+
+    def write(self) -> Mapping[str, str]:
+        """Return the EDDI itself, of which only the state machine counts in a file of this name."""
+        try:
+            text = self.source.data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            fields = {"subject": f"the encoding of {self.source.file_name}", "format": "UTF-8"}
+            raise EddiError(problem("G004.unsaid", self.place, **fields)) from None
+        suffix = ".json" if self.source.name.lower().endswith(".json") else ".xml"
+        return {f"{self.safe_name}{SUFFIX}{suffix}": text}
+
+    def diagram(self) -> Diagram:
+        return show.picture(self.data)
+
+    def draft(self, options: kinds.Options) -> kinds.ModelDraft:
+        """Return its inputs, and the start, which a person has to decide."""
+        values = {key: of for key, of in options.values.items() if of != TODO}
+        configured, problems = self.configure(replace(options, values=values))
+        if configured is None:
+            raise EddiError(*problems)
+        note = "unknown, or initial where the system starts together with the monitor"
+        return kinds.ModelDraft(configured.inputs(), {"start": TODO}, {("start",): note})
+
+    def configure(self, options: kinds.Options) -> tuple[StateMachineModel | None, list[Problem]]:
+        """Take the keys of ``Model:``: start, reset, triggers, observations and evidence."""
+        machine, settings, problems = read_settings(self.data, options)
+        if settings is None:
+            return None, problems
+        if options.frequency is not None:
+            problems += check_settings(machine, settings, options.place())
+        name = options.id or self.name
+        return replace(self, data=machine, configured=settings, name=name), problems
+
+    def inputs(self) -> Sequence[kinds.ModelInput]:
+        return self.settings.inputs
+
+    def element_keys(self) -> Mapping[str, Sequence[str]]:
+        return {
+            "in_state": [state.name for state in self.data.states],
+            "evidence": [evidence.id for evidence in self.settings.evidence],
+        }
+
+    def editable_modules(self) -> Sequence[kinds.EditableModule]:
+        """Return the module with a region for each function, nothing for a machine without one."""
+        return actions_module(self.data)
+
+    def readme(self) -> Sequence[str]:
+        return show.readme(self.data, self.settings)
+
+    def compile(self, declaration: Declaration) -> CompiledMonitor:
+        return compile_machine(self.data, self.settings, declaration)
+
+    def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
+        """Return the evidence: any input may make another state possible."""
+        rests_on = frozenset(input_.id for input_ in inputs)
+        return [Claim(evidence.id, rests_on) for evidence in self.settings.evidence]
+
+    def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
+        """Return the start, if it is assumed, and the triggers that may be unknown."""
+        start = Acceptance("start: initial", "the initial state", path=("Model", "start"))
+        absent = [
+            Acceptance(
+                "absent: true",
+                f"that {trigger.text!r} is false",
+                "while it is unknown",
+                path=("Model", "triggers", trigger.text),
+            )
+            for trigger, value in zip(self.data.triggers, self.settings.values, strict=True)
+            if value.is_absent
+        ]
+        return [start, *absent] if self.settings.start == "initial" else absent
+
+    def elements(self) -> Sequence[Element]:
+        """Return the states and transitions, then the evidence."""
+        return [
+            *(Element("state", s.name, None, s.place.line, s.place.path) for s in self.data.states),
+            *(
+                Element("transition", self.data.called(t), None, t.place.line, t.place.path)
+                for t in self.data.transitions
+            ),
+            *(Element("evidence", evidence.id) for evidence in self.settings.evidence),
+        ]
