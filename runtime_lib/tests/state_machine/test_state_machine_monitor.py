@@ -168,8 +168,20 @@ def test_an_event_between_two_steps_of_one_time_is_not_lost():
     for second in (0, 1, 2):
         output = robot.step(second, QUIET, {FAULT: second == 0})
     assert output.state == "Secured"
-    assert robot.step(2, QUIET, **{"operator release": True}).state == "Secured"
+    release = "operator release"
+    assert robot.step(2, QUIET, {release: True}).state == "Secured"
     assert robot.step(3, QUIET).state == "Ready"
+    assert f"{release}: max_age: none" in robot.monitor.accepted()
+    assert release not in robot.step(4, QUIET).unknown_inputs
+
+
+def test_events_may_be_lost_in_a_step_that_knows_nothing():
+    robot = Robot(start="unknown", evidence=[])
+    release = "operator release"
+    robot.step(0, QUIET, {FAULT: True, release: False}, reset=True)
+    robot.step(1, QUIET)
+    assert robot.monitor.execute_step(object(), 2 * SECOND).possible[:2] == ("Ready", "Slow")
+    assert release in robot.monitor.execute_step(object(), 3 * SECOND).unknown_inputs
 
 
 class Hostile:
