@@ -227,7 +227,7 @@ def test_what_a_function_raises_is_told_until_it_succeeds(caplog):
         robot.step(second, QUIET, given)
     name = "action_restore_speed"
     reason = f"{name} raised ValueError in {__file__.rpartition('/')[2]} line {LINE}"
-    assert robot.monitor.output_faults() == (f"{reason}, 1 times",)
+    assert robot.monitor.output_faults() == (f"{reason} (1 so far)",)
     (error,) = [row.message for row in caplog.records if row.levelno == logging.ERROR]
     assert error.startswith(f"{name}: {reason}\nTraceback")
     for second, given in enumerate([{DIRTY: True}, {CLEANED: True}], 3):

@@ -172,7 +172,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
                 error(name, reason, state.detail)
 
     def output_faults(self) -> tuple[str, ...]:
-        failed = [f"{reason}, {count} times" for reason, count in self._failures.values()]
+        failed = [f"{reason} ({count} so far)" for reason, count in self._failures.values()]
         return (*self._output_faults, *failed)
 
     # What it gives.
