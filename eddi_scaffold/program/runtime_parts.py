@@ -45,7 +45,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "reliability/tree": ("reliability",),
     "reliability/units": ("reliability",),
     "safeml": ("history",),
-    "state_machine": ("event",),
+    "state_machine": ("event", "history"),
     "thresholds": (),
     "transports/ros1/host": (),
     "transports/ros2/lifecycle": ("node/life_cycle",),

@@ -60,6 +60,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         nothing = (self.model_id, "", tuple(unknown), 1, 0.0, unknown, off, (), (), ())
         self._moved = self._result = StateMachineOutput(*nothing)  # of the last move, and step
         self._late: set[int] = set()  # inputs for which it waits
+        self._silent: set[int] = set()  # inputs that hold no message, and need not
         self._changes: deque[str] = deque(maxlen=_KEPT)
         self._pending: deque[RaisedAction] = deque(maxlen=_MOST)
         self._failures: dict[str, tuple[str, int]] = {}  # method -> why it failed, how often
@@ -77,9 +78,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         if t is None:
             self.raw = self.read(eddi_input)
         self._look()
-        unusable = [k for k, one in enumerate(self._usable) if not one]
-        unusable = [k for k in unusable if self._came[k] or k not in self._sporadic]
-        unknown = tuple([self.inputs[k].id for k in unusable])
+        unknown = tuple([one.id for one, good in zip(self.inputs, self._usable) if not good])
         if t is not None and t != self._engine.last:
             before, self._usable_then = self._moved, self._usable
             made = self._move(t, verdicts)
@@ -104,18 +103,21 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
     def _look(self) -> None:
         """Note which inputs have come and have a value, and what messages tell."""
         states = states_of(self._source)
-        known = [raw is not None for raw in self.raw]
         for k, spec in enumerate(self.inputs):
             state = states.get(spec.id)
             early = state is None or state.state in _EARLY or state.reason == UNDECIDED
-            self._came[k] = self._came[k] or known[k] or not early
-        self._usable = [one and not self._unusable(k) for k, one in enumerate(known)]
+            self._came[k] = self._came[k] or self.raw[k] is not None or not early
+        missing = {name for name, state in states.items() if state.state == "missing"}
+        silent = [k for k in self._sporadic if self.raw[k] is None]
+        self._silent = {k for k in silent if not self._came[k] or self.inputs[k].id in missing}
+        self._usable = [
+            k in self._silent or (raw is not None and not self._unusable(k))
+            for k, raw in enumerate(self.raw)
+        ]
         for k, one in enumerate(self._asked):
             if one.messages:
-                (n,) = one.needs
-                raw: Any = self.raw[n]
-                raw = () if raw is None and n in self._sporadic and not self._came[n] else raw
-                rows = raw if issubclass(type(raw), (list, tuple)) else (raw,)
+                raw: Any = [] if one.needs[0] in self._silent else self.raw[one.needs[0]]
+                rows = list.__iter__(raw) if issubclass(type(raw), list) else (raw,)
                 truths = [FALSE, *map(truth, rows)]
                 self._happened[k] = max(self._happened[k], TRUE if TRUE in truths else max(truths))
 
@@ -208,7 +210,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
 
     def accepted(self) -> tuple[str, ...]:
         excused = [f"{self.triggers[k].text}: absent: true" for k in self._engine.excused]
-        silent = [self.inputs[k].id for k in self._sporadic if not self._came[k]]
+        silent = [self.inputs[k].id for k in sorted(self._silent)]
         return (*super().accepted(), *excused, *[f"{id_}: max_age: none" for id_ in silent])
 
     def blocked(self) -> Mapping[str, tuple[str, ...]]:
@@ -233,14 +235,13 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
     def _causes(self, inside: set[str]) -> list[Cause]:
         """Return why the system is not known to be in one of these states."""
         reasons, possible = self._result.reasons, self._result.possible
-        causes = [
-            Cause((), "invalid", text) for name, text in _WITHHELD.items() if name in reasons
-        ]
-        if "waiting" in reasons:
+        sure, perhaps = inside.isdisjoint(possible), "" if len(possible) == 1 else "perhaps "
+        withheld = () if sure else [name for name in _WITHHELD if name in reasons]
+        causes = [Cause((), "invalid", _WITHHELD[name]) for name in withheld]
+        if "waiting" in reasons and not sure:
             late = self._of_unknown([self.inputs[n] for n in sorted(self._late)], {})
             filled = self._lasting(self.since or None)
             causes += late or [Cause((), "window", TEXTS["window"], since=filled)]
-        sure, perhaps = inside.isdisjoint(possible), "" if len(possible) == 1 else "perhaps "
         for state, one in self._engine.occupied.items() if not causes else ():
             if self.states[state].id in inside:
                 continue
