@@ -24,6 +24,7 @@ CASES = [
     ("motor-watch", "motor_watch", "motor_watch.events", "motor_config.yml", PLAIN),
     ("drone", "missionloss", "drone.xml", "reliability_config.yml", PLAIN),
     ("safeml", "camera_scope", "safeml_config.yml", "perception_config.yml", PLAIN),
+    ("shuttle", "shuttle", "shuttle.xml", "shuttle_config.yml", PLAIN),
     ("pedestrian", "pedestrian_prediction_example", "pedestrian.xml", "eddi_config.yml", ROS2),
     ("two-conserts", "consertb", "two_conserts.xml", "consert_b_config.yml", DDS),
 ]

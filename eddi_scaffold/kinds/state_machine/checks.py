@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from itertools import combinations
 
 from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.problems import Place, Problem, problem
@@ -50,26 +49,26 @@ def _states(machine: StateMachine, initial: list[str]) -> Iterator[Problem]:
 
 def _transitions(machine: StateMachine) -> Iterator[Problem]:
     for each in machine.transitions:
-        name = machine.called(each)
+        name = machine.called[each]
         if not each.triggers and each.after is None:
             yield problem("P004.never", each.place, transition=name)
         elif each.source == each.target and each.after is None and _levels(machine, each):
             yield problem("P004.itself", each.place, transition=name)
-    for name in machine.state:
-        ordered = machine.ordered(name)
-        for first, second in combinations(ordered, 2):
-            fields = {"first": machine.called(first), "second": machine.called(second)}
-            triggers = {*second.triggers}
-            if triggers and first.after is None and triggers <= {*first.triggers}:
-                yield problem("P004.shadowed", second.place, **fields)
-            elif (
-                first.target != second.target
-                and first.priority == second.priority
-                and (first.target in machine.fail) == (second.target in machine.fail)
-                and first.triggers
-                and second.triggers
-            ):
-                yield problem("P004.which_first", second.place, state=name, **fields)
+    for name, leaving in machine.leaving.items():
+        taken: dict[Trigger, Transition] = {}  # what takes another transition before
+        same: dict[tuple[int, bool], Transition] = {}  # rank -> the first transition of it
+        for each in (each for each in leaving if each.triggers):
+            rank = each.priority, each.target in machine.fail
+            first, second = same.setdefault(rank, each), machine.called[each]
+            if all(trigger in taken for trigger in each.triggers):
+                first = taken[each.triggers[0]]
+                fields = {"first": machine.called[first], "second": second}
+                yield problem("P004.shadowed", each.place, **fields)
+            elif first.target != each.target:
+                fields = {"first": machine.called[first], "second": second}
+                yield problem("P004.which_first", each.place, state=name, **fields)
+            for trigger in each.triggers if each.after is None else ():
+                taken.setdefault(trigger, each)
 
 
 def _levels(machine: StateMachine, transition: Transition) -> list[Trigger]:

@@ -145,7 +145,7 @@ def _transitions(machine: StateMachine, states: Mapping[str, int]) -> list[runti
             f"{PurePath(each.place.file or '').name}:{each.place.line}",
         )
         for state in machine.states
-        for each in machine.ordered(state.name)
+        for each in machine.leaving[state.name]
     ]
 
 

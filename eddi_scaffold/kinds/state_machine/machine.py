@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -114,13 +115,18 @@ class StateMachine:
         for state in self.states:
             yield from (action for _, action in state.actions())
 
-    def ordered(self, state: str) -> list[Transition]:
-        """Return the transitions of a state in the order in which they count."""
-        leaving = [each for each in self.transitions if each.source == state]
-        return sorted(leaving, key=lambda each: (each.priority, each.target not in self.fail))
+    @cached_property
+    def leaving(self) -> Mapping[str, list[Transition]]:
+        """State -> its transitions, in the order in which they count."""
+        leaving: dict[str, list[Transition]] = {name: [] for name in self.state}
+        ranks = sorted(self.transitions, key=lambda of: (of.priority, of.target not in self.fail))
+        for each in ranks:
+            leaving[each.source].append(each)
+        return leaving
 
-    def called(self, transition: Transition) -> str:
-        """Return the name of a transition, or its ends where that is not unique."""
-        names = [each.name for each in self.transitions]
-        unique = transition.name and names.count(transition.name) == 1
-        return transition.name if unique else transition.ends
+    @cached_property
+    def called(self) -> Mapping[Transition, str]:
+        """Transition -> its name, or its ends where that is not unique."""
+        numbers = Counter(each.name for each in self.transitions)
+        unique = {name for name, number in numbers.items() if name and number == 1}
+        return {each: each.name if each.name in unique else each.ends for each in self.transitions}

@@ -89,6 +89,7 @@ class _Reader:
         self.machine, self.options, self.problems = machine, options, list[Problem]()
         self.data: Mapping[str, Any] = options.values
         self.rate = options.frequency or USUAL_FREQUENCY
+        self.entries = {entry.id: entry for entry in options.inputs}
         self.variables = {
             entry.id: Variable(entry.id, _TYPES.get(entry.type or ""), unit=entry.unit)
             for entry in options.inputs
@@ -119,10 +120,10 @@ class _Reader:
 
     def settings(self) -> Settings:
         triggers = self.section("triggers")
-        texts = [trigger.text for trigger in self.machine.triggers]
+        texts = {trigger.text: None for trigger in self.machine.triggers}
         for text in triggers:
             if text not in texts:
-                self.unknown("trigger", text, texts, "triggers", text)
+                self.unknown("trigger", text, [*texts], "triggers", text)
         bound = self.of_transitions()
         values = tuple(
             bound.get(trigger) or self.value(trigger, triggers) for trigger in self.machine.triggers
@@ -153,8 +154,8 @@ class _Reader:
 
     def of_transitions(self) -> dict[Trigger, Value]:
         bound: dict[Trigger, Value] = {}
-        called = {self.machine.called(each): each for each in self.machine.transitions}
-        called = {each.ends: each for each in self.machine.transitions} | called
+        called = {each.ends: each for each in self.machine.transitions}
+        called |= {name: each for each, name in self.machine.called.items()}
         added: dict[Transition, Trigger] = {}
         for name, text in self.section("transitions").items():
             transition, path = called.get(name), ("transitions", name)
@@ -240,7 +241,7 @@ class _Reader:
         return name
 
     def add(self, name: str, type_: Any, *, each: bool = False, description: str = "") -> None:
-        entry = next((entry for entry in self.options.inputs if entry.id == name), None)
+        entry = self.entries.get(name)
         if name in self.inputs and self.inputs[name].every_message != each:
             self.report("P003.messages", name=name)
         is_number, unit = type_ == "float", entry.unit if entry else None

@@ -226,10 +226,12 @@ class _Causes:
             if not self._is_gate(cause, inputs):
                 element = [*self.reader.targets(cause, word.FAILURE), cause][0]
                 self.names[cause] = self.reader.name_of(element, f"cause {len(self.names)}")
+        taken = {*self.names.values()}
         for cause in (cause for cause in below if cause not in self.names):
             name = self.reader.name_of(cause, f"cause {len(self.names)}")
             names = chain([name], (f"{name}#{i}" for i in count(2)))
-            self.names[cause] = next(n for n in names if n not in self.names.values())
+            self.names[cause] = next(n for n in names if n not in taken)
+            taken.add(self.names[cause])
         for cause, inputs in below.items():
             if self._is_gate(cause, inputs):
                 self.gates[self.names[cause]] = self._gate(cause, inputs)

@@ -23,7 +23,7 @@ def outline(machine: StateMachine, settings: Settings) -> Iterator[str]:
         yield from (
             f"  {moment}: {action.kind} {action.text}" for moment, action in state.actions()
         )
-        for each in machine.ordered(state.name):
+        for each in machine.leaving[state.name]:
             yield f"  -> {each.target}: {_condition(each)}"
     for trigger, value in zip(machine.triggers, settings.values, strict=True):
         words = [value.how, *(["persistent"] if trigger.is_persistent else [])]
@@ -47,14 +47,17 @@ def _condition(transition: Transition) -> str:
 
 def readme(machine: StateMachine, settings: Settings) -> list[str]:
     """Return the transitions in the order in which they count, and what is claimed."""
-    rows = [("from", "to", "when"), ("---", "---", "---")]
-    ordered = [each for state in machine.state for each in machine.ordered(state)]
-    rows += [(each.source, each.target, _condition(each)) for each in ordered]
+    ordered = [each for state in machine.state for each in machine.leaving[state]]
+    rows = [(each.source, each.target, _condition(each)) for each in ordered]
+    claims = [(evidence.id, evidence.text) for evidence in settings.evidence]
+    lines = _table(("from", "to", "when"), *rows)
+    heads = ("evidence", "active while each possible state is")
+    return [*lines, "", *_table(heads, *claims)] if claims else lines
+
+
+def _table(*rows: tuple[str, ...]) -> list[str]:
     lines = [f"| {' | '.join(map(markdown_text, row))} |" for row in rows]
-    claims = [
-        f"- `{e.id}`: each possible state is {markdown_text(e.text)}" for e in settings.evidence
-    ]
-    return [*lines, "", *claims]
+    return [lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]
 
 
 def picture(machine: StateMachine) -> Diagram:

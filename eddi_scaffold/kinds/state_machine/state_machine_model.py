@@ -147,7 +147,7 @@ class StateMachineModel(kinds.Model):
         return [
             *(Element("state", s.name, None, s.place.line, s.place.path) for s in self.data.states),
             *(
-                Element("transition", self.data.called(t), None, t.place.line, t.place.path)
+                Element("transition", self.data.called[t], None, t.place.line, t.place.path)
                 for t in self.data.transitions
             ),
             *(Element("evidence", evidence.id) for evidence in self.settings.evidence),
