@@ -373,18 +373,10 @@ class Model:
 @cache
 def _meanings(kind: str) -> Meanings:
     """Return the meanings in the folder of a kind."""
-
-    def frozen(value: Any) -> Any:
-        return tuple(map(frozen, value)) if isinstance(value, list) else value
+    from pydantic import TypeAdapter  # noqa: PLC0415 - to know the kinds needs none
 
     tables = read_toml(Path(__path__[0], kind, "meanings.toml"))
-    return {
-        message: {
-            path: Meaning(**{key: frozen(value) for key, value in row.items()})
-            for path, row in rows.items()
-        }
-        for message, rows in tables.items()
-    }
+    return TypeAdapter(dict[str, dict[str, Meaning]]).validate_python(tables)
 
 
 class ClaimField(NamedTuple):
