@@ -116,8 +116,10 @@ def explain(
     clock: Clock = "{:.3f}".format
     last: dict[str, tuple[float, ClaimWhy]] = {}
     if master or domain:
-        if bag or files or workspace:
-            raise EddiError(problem("G000.exclude", options="a live robot and what is played"))
+        played_of = {"FILE": files, "--bag": bag, "--workspace": workspace}
+        if names := [name for name, value in played_of.items() if value]:
+            names = ["--master" if master else "--domain", *names]
+            raise EddiError(problem("G000.exclude", options=" and ".join(names)))
         source, clock = opened(None, master, domain, None)
         with closing(source):
             last = ask(source, FleetState(), name, console.say)
