@@ -245,7 +245,9 @@ def test_who_publishes_calls_functions_afterwards():
     robot.monitor.published(told.append, lambda *row: told.append(row[:2]))
     assert [state for _, state, _ in actions.calls] == ["Slow", "Slow"]
     assert told[0] == "reduced speed (entry Slow, priority 2)"
-    assert told[1][0] == "action_restore_speed"
+    due = ["limit_speed is due (entry Slow)", "restore_speed is due (exit Slow)"]
+    assert told[1:3] == due
+    assert told[3][0] == "action_restore_speed"
 
 
 def test_a_function_of_a_target_without_a_method():

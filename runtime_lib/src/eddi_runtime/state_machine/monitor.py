@@ -158,6 +158,8 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
                 perhaps = "" if one.certain else "perhaps "
                 warn(f"{perhaps}{one.text} ({one.moment} {one.state}, priority {one.priority})")
             name = names[one.text] if one.kind == "function" and one.certain else ""
+            if name:
+                warn(f"{one.text} is due ({one.moment} {one.state})")
             method: Any = getattr(self._methods, name, None) if name else None
             if method is None:
                 continue
