@@ -253,6 +253,8 @@ def test_a_function_of_a_target_without_a_method():
     output = robot.step(0, {"Plant::PumpA.stopped": True})
     (one,) = output.raised
     assert (one.target, one.function, one.certain) == ("Pump B", "take over all flow", True)
+    (fault,) = robot.monitor.output_faults()
+    assert fault.startswith("action_Pump_B_take_over_all_flow raised AttributeError")
 
 
 def test_a_trigger_whose_windows_fill_since_the_start_is_not_yet_true():
