@@ -227,7 +227,7 @@ def test_what_a_function_raises_is_told_until_it_succeeds(caplog):
         robot.step(second, QUIET, given)
     name = "action_restore_speed"
     reason = f"{name} raised ValueError in {__file__.rpartition('/')[2]} line {LINE}"
-    assert robot.monitor.output_faults() == (f"{reason}, 1 times",)
+    assert robot.monitor.output_faults() == (f"{reason} (1 so far)",)
     (error,) = [row.message for row in caplog.records if row.levelno == logging.ERROR]
     assert error.startswith(f"{name}: {reason}\nTraceback")
     for second, given in enumerate([{DIRTY: True}, {CLEANED: True}], 3):
@@ -255,6 +255,8 @@ def test_a_function_of_a_target_without_a_method():
     output = robot.step(0, {"Plant::PumpA.stopped": True})
     (one,) = output.raised
     assert (one.target, one.function, one.certain) == ("Pump B", "take over all flow", True)
+    (fault,) = robot.monitor.output_faults()
+    assert fault.startswith("action_Pump_B_take_over_all_flow raised AttributeError")
 
 
 def test_a_trigger_whose_windows_fill_since_the_start_is_not_yet_true():
