@@ -154,6 +154,7 @@ EXAMPLES = [
     ("drone", "drone.xml", "reliability_config.yml", ["--name", "MissionLoss"], 3),
     ("safeml", "safeml_config.yml", "perception_config.yml", [], 1),
     ("motor-watch", "motor_watch.events", "motor_config.yml", [], 0),
+    ("shuttle", "shuttle.xml", "shuttle_config.yml", [], 9),
 ]
 
 

@@ -31,9 +31,11 @@ SCOPE, LANDING = "/camera_scope/safeml", "/landing/guarantees"
 RELIABILITY, MISSION = "/drone/reliability", "/drone/guarantees"
 RISK, LOW, CROSSING = "/pedestrian/risk", "/pedestrian/risk/low", "/crossing/guarantees"
 ROVER, BASE = "/rover/guarantees", "/base/guarantees"
+STATE, DRIVING = "/shuttle/state", "/shuttle/guarantees"
 TOPICS = (
     EVENTS, DRIVE, SCOPE, f"{SCOPE}/status", LANDING, RELIABILITY, MISSION, RISK, f"{RISK}/status",
-    f"{RISK}/evidence", LOW, CROSSING, f"{CROSSING}/status", ROVER, BASE, "/diagnostics",
+    f"{RISK}/evidence", LOW, CROSSING, f"{CROSSING}/status", ROVER, BASE, STATE, DRIVING,
+    "/diagnostics",
 )  # fmt: skip
 STREAM = Path(__file__).with_name("safeml_stream.py")
 UNKNOWN, TRUE, FALSE = 1, 2, 0
@@ -110,6 +112,7 @@ def workspace(folder, home):
         "safeml/landing.yml": ("perception_config.yml", "landing_config.yml"),
         "drone/drone.xml": ("reliability_config.yml", "mission_config.yml"),
         "rover-events/Rover.yml": ("eddi_config.yml",),
+        "shuttle/driving.yml": ("shuttle_config.yml", "driving_config.yml"),
         "pedestrian/pedestrian.xml": (config, crossing),
     }
     made = Workspace(folder / "kinds", home)
@@ -274,6 +277,38 @@ def test_speed_and_distance_become_a_risk_and_that_a_guarantee(run):
     unknown = "inactive: Cross <- RiskIsLow <- "
     said = lambda: run.diagnosis("/crossing").get("guarantee.Cross", "")  # noqa: E731
     until(lambda: said().startswith(unknown) and "/vehicle/speed: publisher gone" in said())
+
+
+def test_a_fail_state_takes_the_guarantee_away(run):
+    def number(topic, value):
+        return run.send(topic, "std_msgs/Float32", {"data": value})
+
+    dirt = number("/lidar/dirt", 0.05)
+    number("/battery/level", 0.8)
+    fault = run.truth("/drive/fault", False)
+    run.truth("/wash/done", False)
+    states = {"DriveFast": True, "Drive": True, "Stop": True}
+    run.wait_for(DRIVING, states, PATIENCE_S)
+    dirt()
+    number("/lidar/dirt", 0.5)
+    run.wait_for(DRIVING, {**states, "DriveFast": False}, PATIENCE_S)
+    assert run.of(STATE, "state") == ["Slow"]
+    raised = [one for message in run.messages(STATE) for one in message["raised"]]
+    assert [(one["text"], one["certain"]) for one in raised] == [
+        ("reduced speed", True),
+        ("limit_speed", True),
+    ]
+    until(lambda: "limit_speed is due" in run.launch_text(), PATIENCE_S, "the function")
+    fault()  # silence: it may have failed, and nothing but an order makes that certain again
+    run.wait_for(DRIVING, {"DriveFast": False, "Drive": False, "Stop": True}, PATIENCE_S)
+    assert run.of(STATE, "failed") == [UNKNOWN]
+    run.truth("/drive/fault", False)
+    said = lambda: run.diagnosis("/driving").get("guarantee.Drive", "")  # noqa: E731
+    until(lambda: "Drive <- NothingFailed <- NotFailed" in said(), PATIENCE_S, "why")
+    until(lambda: len(run.of(STATE, "possible")[0]) > 1, PATIENCE_S, "several states")
+    reset = run.truth("/desk/restarted", True)
+    until(lambda: run.of(STATE, "failed") == [FALSE], PATIENCE_S, "an order")
+    reset()
 
 
 def test_battery_and_motor_become_evidence(workspace, run):

@@ -27,9 +27,9 @@ def check_machine(machine: StateMachine) -> list[Problem]:
 def _states(machine: StateMachine, initial: list[str]) -> Iterator[Problem]:
     if len(initial) > 1:
         yield problem("P004.several_initial", machine.place, states=", ".join(initial))
-    taken = [each for each in machine.transitions if each.triggers or each.after is not None]
     following = {
-        name: [each.target for each in taken if each.source == name] for name in machine.state
+        name: [each.target for each in leaving if each.triggers or each.after is not None]
+        for name, leaving in machine.leaving.items()
     }
     can_be = reached(following, initial)
     if not can_be.intersection(machine.fail):
@@ -58,14 +58,13 @@ def _transitions(machine: StateMachine) -> Iterator[Problem]:
         taken: dict[Trigger, Transition] = {}  # what takes another transition before
         same: dict[tuple[int, bool], Transition] = {}  # rank -> the first transition of it
         for each in (each for each in leaving if each.triggers):
-            rank = each.priority, each.target in machine.fail
-            first, second = same.setdefault(rank, each), machine.called[each]
-            if all(trigger in taken for trigger in each.triggers):
-                first = taken[each.triggers[0]]
-                fields = {"first": machine.called[first], "second": second}
+            first = same.setdefault((each.priority, each.target in machine.fail), each)
+            is_shadowed = all(trigger in taken for trigger in each.triggers)
+            first = taken[each.triggers[0]] if is_shadowed else first
+            fields = {"first": machine.called[first], "second": machine.called[each]}
+            if is_shadowed:
                 yield problem("P004.shadowed", each.place, **fields)
             elif first.target != each.target:
-                fields = {"first": machine.called[first], "second": second}
                 yield problem("P004.which_first", each.place, state=name, **fields)
             for trigger in each.triggers if each.after is None else ():
                 taken.setdefault(trigger, each)
@@ -74,22 +73,21 @@ def _transitions(machine: StateMachine) -> Iterator[Problem]:
 def _levels(machine: StateMachine, transition: Transition) -> list[Trigger]:
     """Return the triggers of a transition that count as long as they are true."""
     raised = machine.raised - machine.causes.keys()
-    return [
-        trigger
-        for trigger in transition.triggers
-        if trigger.is_persistent or not (trigger.is_external or trigger.text in raised)
-    ]
+    once = {t for t in transition.triggers if t.is_external or t.text in raised}
+    return [t for t in transition.triggers if t.is_persistent or t not in once]
 
 
 def _circles(machine: StateMachine) -> Iterator[Problem]:
     hops = {
-        (each.source, each.target): each
+        (each.target, each.source): each
         for each in machine.transitions
         if each.source != each.target and each.after is None and _levels(machine, each)
     }
-    graph = {name: [a for a, b in hops if b == name] for name in machine.state}
+    graph: dict[str, list[str]] = {name: [] for name in machine.state}
+    for target, source in hops:
+        graph[target].append(source)
     for circle in cycles(graph):
-        taken = [hops[pair] for pair in zip(circle, [*circle[1:], circle[0]], strict=True)]
+        taken = [hops[pair] for pair in zip([*circle[1:], circle[0]], circle, strict=True)]
         same = frozenset.intersection(*(frozenset(_levels(machine, each)) for each in taken))
         shown = " -> ".join([*circle, circle[0]])
         case = "P004.livelock" if same else "P004.circle"

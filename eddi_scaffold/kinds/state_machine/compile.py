@@ -19,7 +19,6 @@ from eddi_scaffold.program.instructions import Program, joined
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, head_lines
 
 FORMAT = 1
-_LOG = ("", "    log = logging.getLogger(__name__)")
 
 
 def methods_of(machine: StateMachine) -> dict[str, str]:
@@ -37,7 +36,7 @@ def actions_module(machine: StateMachine) -> Sequence[EditableModule]:
         EditableMethod(
             name,
             text,
-            ('self.log.info("%s is due", call.text)',),
+            ("pass",),
             ("call",),
             comments=(python_comment(text),),
             uses=("call",),
@@ -48,8 +47,7 @@ def actions_module(machine: StateMachine) -> Sequence[EditableModule]:
         return ()
     docstring = "What is done when the state machine enters and leaves its states."
     about = "Each is called once, when it is certain to be due, after the result was published."
-    imports, log = ("import logging",), _LOG
-    return [EditableModule("actions.py", docstring, "Actions", about, methods, imports, log)]
+    return [EditableModule("actions.py", docstring, "Actions", about, methods)]
 
 
 def compile_machine(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain, count, product
-from typing import Any
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.files import Source
@@ -93,13 +92,11 @@ class _Reader:
         """Return the actions that a feature refers to; others than the three kinds are counted."""
         actions = []
         for target in self.targets(element, spelling):
-            class_name = self.document.class_of(target).name
-            if class_name not in _TEXTS:
-                fields: dict[str, Any] = {"feature": class_name or "an action"}
-                owner = self.document.describe(element)
-                self.findings.count("X014.feature", target, owner=owner, **fields)
+            owner = self.document.describe(target)
+            kind, feature = _TEXTS.get(self.document.class_of(target).name, ("", word.NAME))
+            if not kind:
+                self.findings.count("X014.feature", target, feature=spelling.name, owner=owner)
                 continue
-            kind, feature = _TEXTS[class_name]
             is_warning, priority = kind == "warning", self.text(target, word.PRIORITY_LEVEL)
             actions.append(
                 Action(
@@ -111,7 +108,6 @@ class _Reader:
                     self.document.place(target),
                 )
             )
-            owner = self.document.describe(target)
             for unused in _UNUSED:
                 if self.text(target, unused) or self.document.children(target, unused):
                     self.findings.count("X014.feature", target, feature=unused.name, owner=owner)

@@ -245,7 +245,9 @@ def test_who_publishes_calls_functions_afterwards():
     robot.monitor.published(told.append, lambda *row: told.append(row[:2]))
     assert [state for _, state, _ in actions.calls] == ["Slow", "Slow"]
     assert told[0] == "reduced speed (entry Slow, priority 2)"
-    assert told[1][0] == "action_restore_speed"
+    due = ["limit_speed is due (entry Slow)", "restore_speed is due (exit Slow)"]
+    assert told[1:3] == due
+    assert told[3][0] == "action_restore_speed"
 
 
 def test_a_function_of_a_target_without_a_method():
@@ -253,6 +255,8 @@ def test_a_function_of_a_target_without_a_method():
     output = robot.step(0, {"Plant::PumpA.stopped": True})
     (one,) = output.raised
     assert (one.target, one.function, one.certain) == ("Pump B", "take over all flow", True)
+    (fault,) = robot.monitor.output_faults()
+    assert fault.startswith("action_Pump_B_take_over_all_flow raised AttributeError")
 
 
 def test_a_trigger_whose_windows_fill_since_the_start_is_not_yet_true():

@@ -6,8 +6,9 @@ import pytest
 import yaml
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.common.problems import EddiError, Problem
 from eddi_scaffold.kinds import Options
+from eddi_scaffold.kinds.state_machine import KIND
 from eddi_scaffold.kinds.state_machine.machine import Action, StateMachine
 from eddi_scaffold.kinds.state_machine.state_machine_model import StateMachineModel
 from eddi_scaffold.monitors.compiling import digest_of
@@ -125,3 +126,37 @@ def test_a_gate_that_depends_on_an_order_needs_a_condition() -> None:
     assert [problem.case for problem in model.configure(Options())[1]] == ["P003.gate"]
     bound = Options(values={"triggers": {"No_flow": "Plant_PumpA_stopped"}})
     assert model.configure(bound)[1] == []
+
+
+def test_what_is_not_read_is_told() -> None:
+    action = 'function="limit_speed"'
+    _, problems = changed("shuttle.emf.xml", [action, f'{action} prerequisites="//@nothing"'])
+    told = [problem.message for problem in problems if problem.case == "X014.feature"]
+    assert told == ['prerequisites of failureLogic_:FunctionAction "limit_speed" not used']
+    other = ["failureLogic_:FunctionAction", "failureLogic_:RosAction"]
+    model, problems = changed("shuttle.emf.xml", other)
+    assert model is not None
+    assert [action.text for action in model.data.state["Slow"].entry] == ["reduced speed"]
+    assert "X014.feature" in [problem.case for problem in problems]
+
+
+def test_a_fleet_shows_what_a_machine_claims() -> None:
+    class Row:
+        id, active = "NotFailed", True
+
+    class Output:
+        id, state, possible, failed = "shuttle", "", ["Ready", "Slow"], 0
+        unknown_inputs, reason, evidence, accepted = [], "", [Row], ["x"]
+
+    reading = KIND.verdicts["StateMachineOutput"](Output)
+    rows = [(verdict.id, verdict.state, verdict.text) for verdict in reading.verdicts]
+    assert rows == [("not failed", "active", "Ready or Slow"), ("NotFailed", "active", "")]
+
+
+def test_text_that_is_no_utf_8_is_not_kept() -> None:
+    data = (DATA / "shuttle.emf.xml").read_bytes().replace(b"UTF-8", b"ISO-8859-1", 1)
+    source = Source("s.xml", data.replace(b'name="Slow"', b'name="Tr\xe4ge"'))
+    (model,) = read_models(source).models
+    with pytest.raises(EddiError) as refused:
+        model.write()
+    assert [problem.case for problem in refused.value.problems] == ["G004.unsaid"]

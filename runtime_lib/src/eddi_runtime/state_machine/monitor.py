@@ -118,8 +118,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             if one.messages:
                 raw: Any = [] if one.needs[0] in self._silent else self.raw[one.needs[0]]
                 rows = list.__iter__(raw) if issubclass(type(raw), list) else (raw,)
-                truths = [FALSE, *map(truth, rows)]
-                self._happened[k] = max(self._happened[k], TRUE if TRUE in truths else max(truths))
+                self._happened[k] = max(self._happened[k], *map(truth, rows), FALSE)
 
     def _move(self, t: int, verdicts: Sequence[Number]) -> StateMachineOutput:
         """Take a step; a trigger that cannot be known yet is FALSE, and nothing is claimed."""
@@ -157,12 +156,14 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             if one.kind == "warning":
                 perhaps = "" if one.certain else "perhaps "
                 warn(f"{perhaps}{one.text} ({one.moment} {one.state}, priority {one.priority})")
-            name = names[one.text] if one.kind == "function" and one.certain else ""
-            method: Any = getattr(self._methods, name, None) if name else None
-            if method is None:
+            if one.kind != "function" or not one.certain:
                 continue
+            warn(f"{one.text} is due ({one.moment} {one.state})")
+            if self._methods is None:
+                continue
+            name = names[one.text]
             try:
-                method(one)
+                getattr(self._methods, name)(one)
                 if self._failures.pop(name, None):
                     error(name, "", "")
             except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
