@@ -21,7 +21,6 @@ MODULES = {
     "eddi_scaffold.api": ROOT,
     "eddi_runtime": ROOT / "runtime_lib" / "src",
     "eddi_runtime.history": ROOT / "runtime_lib" / "src",
-    "eddi_runtime.node.node": ROOT / "runtime_lib" / "src",
     "eddi_runtime.transports.ros1": ROOT / "runtime_lib" / "src",
 }
 """Public module -> the folder of the import path that contains it."""
