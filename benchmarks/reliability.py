@@ -35,12 +35,13 @@ from benchmarks.timing import per_call  # noqa: E402 - from the checkout
 from eddi_scaffold.kinds.reliability.chains import Chain, battery_chain, rates_of, rotors_chain  # noqa: E402
 from eddi_scaffold.kinds.reliability.decision_diagram import build as diagram_of  # noqa: E402
 from eddi_scaffold.kinds.reliability.fault_tree import Gate  # noqa: E402
-from eddi_scaffold.kinds.reliability.lowering import Heat, Processor  # noqa: E402
+from eddi_scaffold.kinds.reliability.system import ComponentModel  # noqa: E402
 from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402
-    Part,
     battery,
     chain,
     event,
+    heat,
+    processor,
     rotors,
     tree,
 )
@@ -97,9 +98,9 @@ def rows_of_chain(states: int, runs: int, seconds: float) -> list[dict[str, Any]
 
 def rows_of_monitors(runs: int, seconds: float) -> list[dict[str, Any]]:
     """Return the rows of a hexacopter's rotors, and of a drone: three models in a fault tree."""
-    names = [f"m{i}" for i in range(6)]
+    names = [f"rotors_motor_{i}" for i in range(6)]
     hexacopter, cells = rotors("PNPNPN", 1e-5), battery(1e-3)
-    processor = Part("cpu", Processor(4e4, 1.0, Heat("t", 0.3, 51.0, 85.0), ("u", 1.0), 0.0))
+    cpu = processor(4e4, 1.0, 1.0, **heat(0.3, 51.0, 85.0))
     events = [
         *(event("model", model=name) for name in ("rotors", "battery", "cpu")),
         event("exponential", 1e-4, name="gps"),
@@ -108,10 +109,11 @@ def rows_of_monitors(runs: int, seconds: float) -> list[dict[str, Any]]:
     ]
     loss = tree(events, [Gate("AND", (3, 4)), Gate("OR", (0, 1, 2, 5, 6))])
     working: dict[str, Any] = dict.fromkeys(names, True)
-    drone = {**working, "level": 80.0, "t": 60.0, "u": 0.5, "link": False}
+    drone = {**working, "battery_level": 80.0, "cpu_temperature": 60.0, "cpu_utilisation": 0.5}
+    drone["tree_link"] = False
     chains = [rotors_chain("PNPNPN", [1e-5] * 6), battery_chain(1e-3, 8e-3, 7e-3, 6.4e-3)]
     peers = [expm_of(one) for one in chains]
-    parts = [hexacopter, cells, processor, loss]
+    parts = [hexacopter, cells, cpu, loss]
     cases = (
         ("hexacopter, whole monitor", stepping([hexacopter], working), peers[:1]),
         ("drone, whole monitor", stepping(parts, drone), peers),
@@ -130,7 +132,7 @@ def both(peers: list[Action | None]) -> Action | None:
     return lambda: [one() for one in actions]
 
 
-def stepping(parts: list[Part], values: dict[str, Any]) -> Action:
+def stepping(parts: list[ComponentModel], values: dict[str, Any]) -> Action:
     """Return the step of a monitor with these inputs, 0.1 s after the one before."""
     go = {"id": "go", "activate": 1e-4, "release": 2e-4, "hold": 2.0}
     monitor = monitor_of(parts, values, horizon=0.5, thresholds=[go])

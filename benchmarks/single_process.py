@@ -5,6 +5,10 @@ that need it. Each has two sensors of its own, which send nothing, or at 10 Hz: 
 second. Of separate processes a few are measured, and multiplied. Goals for one process: below 60 MB
 resident, below 20 % of a core.
 
+Then what `/why` costs: 50 monitors in one process, of which each reads the one before, in chains of
+five; once as they are, once with an `eddi_messages` that has no `Why`. Somebody hears every `/why`,
+as `watch` does.
+
     python benchmarks/single_process.py [--quick] [--json]
 """
 
@@ -50,7 +54,8 @@ required_services: []
 provided_services:
 - {id: Service, functional_service_type: T, guarantees: [Works, Seen]}
 """
-CONFIG = """Model: {id: NAME, type: ConSert, frequency: 10, parameters: [{model: NAME.yml}]}
+CONFIG = """
+Model: {id: NAME, type: ConSert, frequency: 10, startup_grace: 1, parameters: [{model: NAME.yml}]}
 SimulatorOutputs:
 - {id: sensor, type: std_msgs.Bool, topic: NAME/sensor}
 - {id: camera, type: std_msgs.Bool, topic: NAME/camera}
@@ -70,6 +75,24 @@ while not rospy.is_shutdown():
         topic.publish(True)
     rospy.sleep(0.1)
 """
+READS_ANOTHER = [
+    (
+        "{id: camera, type: std_msgs.Bool, topic: NAME/camera}",
+        "{id: camera, type: eddi_messages.ConSertOutput, topic: BEFORE/guarantees}",
+    ),
+    ("requires: [camera],", "requires: [camera], field: 'guarantees[Works].active',"),
+]
+CHAIN = 5
+EAR = """
+import sys, time, rospy
+rospy.init_node("ear", anonymous=True)
+sizes = []
+for topic in sys.argv[1:]:
+    rospy.Subscriber(topic, rospy.AnyMsg, lambda message: sizes.append(len(message._buff)))
+while not rospy.is_shutdown():
+    print(sum(sizes), flush=True)
+    time.sleep(0.1)
+"""
 Row = dict[str, object]
 
 
@@ -79,8 +102,9 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     reason = why_no_ros()
-    count, seconds = (10, 3.0) if options.quick else (100, 15.0)
+    count, few, seconds = (10, 10, 3.0) if options.quick else (100, 50, 15.0)
     rows: list[Row] = [{"reason": reason}] if reason else measured(count, seconds)
+    rows += [] if reason else cost_of_why(few, seconds)
     if options.json:
         print(json.dumps({"rows": rows}, indent=1))
         return
@@ -112,14 +136,49 @@ def measured(count: int, seconds: float) -> list[Row]:
             world.destroy()
 
 
-def generated(folder: Path, names: list[str]) -> Path:
+def cost_of_why(count: int, seconds: float) -> list[Row]:
+    names = [f"monitor_{number:03d}" for number in range(count)]
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        messages = {case: make_messages(folder / case, MESSAGES) for case in ("with", "without")}
+        (index,) = messages["without"].glob("*/msg/__init__.py")
+        lines = index.read_text().splitlines(keepends=True)
+        index.write_text("".join(line for line in lines if "Why" not in line))
+        world = World(folder, messages["with"])
+        try:
+            packages = generated(folder / "workspace", names, CHAIN)
+            program = [packages / "eddi_monitor_launcher" / "scripts" / "EDDIMonitors.py"]
+            rows: list[Row] = []
+            for heard, sensors in (("no sensor sends", []), ("all sensors send", names)):
+                percents = []
+                for case, world.messages in messages.items():
+                    master = world.master()
+                    if sensors:
+                        world.process([PYTHON, "-c", SENSORS, *sensors], world.env(master))
+                    topics = [f"/{name}/guarantees/why" for name in names]
+                    ear = world.process([PYTHON, "-c", EAR, *topics], world.env(master))
+                    row = cost(world, master, packages, program, names, seconds, ear)
+                    percents.append(row["percent"])
+                    figures = {key: round(value, 1) for key, value in row.items()}
+                    rows.append({"case": f"{count} monitors, {heard}, {case} /why", **figures})
+                rows[-2]["ratio"] = round(percents[0] / percents[1], 2)
+            return rows
+        finally:
+            world.destroy()
+
+
+def generated(folder: Path, names: list[str], chain: int = 1) -> Path:
     """Generate all monitors into a workspace, and return the folder of the packages."""
     (folder / "src").mkdir(parents=True)
     configs = []
-    for name in names:
+    for number, name in enumerate(names):
         (folder / f"{name}.yml").write_text(MODEL)
+        config = CONFIG
+        for old, new in READS_ANOTHER if number % chain else ():
+            assert old in config
+            config = config.replace(old, new.replace("BEFORE", names[number - 1]))
         configs.append(folder / f"{name}_config.yml")
-        configs[-1].write_text(CONFIG.replace("NAME", name))
+        configs[-1].write_text(config.replace("NAME", name))
     api.generate(folder, None, configs, single_process=True)
     return folder / "src" / "eddi_monitor"
 
@@ -131,8 +190,12 @@ def cost(
     programs: list[Path],
     names: list[str],
     seconds: float,
+    ear: Process | None = None,
 ) -> dict[str, float]:
-    """Return memory in MB and share of a core in percent of some processes together."""
+    """Return memory in MB and share of a core in percent of some processes together.
+
+    And how many bytes a second come to an ear.
+    """
     env = world.env(master)
     env["PYTHONPATH"] += os.pathsep + os.pathsep.join(str(packages / n / "src") for n in names)
     command = [PYTHON, "-c", NUMPY]
@@ -142,10 +205,14 @@ def cost(
         until(lambda: registered(master, f"/{last}/guarantees"), 120.0, started[-1].text)
         time.sleep(3.0)
         before, begin = sum(map(ticks, started)), time.monotonic()
+        bytes_before = int(ear.text.split()[-1]) if ear else 0
         time.sleep(seconds)
         used = (sum(map(ticks, started)) - before) / os.sysconf("SC_CLK_TCK")
         percent = 100.0 * used / (time.monotonic() - begin)
-        return {"MB": sum(map(resident, started)), "percent": percent}
+        figures = {"MB": sum(map(resident, started)), "percent": percent}
+        if ear:
+            figures["bytes/s"] = (int(ear.text.split()[-1]) - bytes_before) / seconds
+        return figures
     finally:
         for process in started:
             process.destroy()

@@ -47,7 +47,8 @@ def check(
             or folders with such files.
     """
     from eddi_scaffold.connect.robot import check_robots, robot_models
-    from eddi_scaffold.deployments.checking import ByHand, check_files
+    from eddi_scaffold.deployments.checking import check_files
+    from eddi_scaffold.monitors.input_binding import UnwrittenInput
     from eddi_scaffold.monitors.loading import named_like_mros
     from eddi_scaffold.monitors.survey import files_of
     from eddi_scaffold.packages.handwritten import until_written_near
@@ -71,7 +72,9 @@ def check(
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
         console.problems(problems, summary=False)
-        by_hand = [problem.of for problem in problems if isinstance(problem, ByHand)]
+        by_hand = [
+            one.by_hand for one in problems if isinstance(one, UnwrittenInput) and one.by_hand
+        ]
         if by_hand and not console.verbose:
             console.say(f"to be written by hand: {', '.join(by_hand)}")
         if unread:

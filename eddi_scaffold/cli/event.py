@@ -178,13 +178,13 @@ def _write(
     report: Mapping[str, Any], files: Mapping[str, str], output: Path | None, *, as_json: bool
 ) -> None:
     """Write the files, or print them: the only one as it is, several as JSON."""
-    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.program.standalone import keep_in_folder
 
     lost: list[str] = []
     if output is not None:
         files, lost = keep_in_folder(files, output)
-        write(output, {file: FileState(text.encode()) for file, text in files.items()})
+        write(output, {file: text.encode() for file, text in files.items()})
     if as_json:
         console.json({**report, "files": files})
     elif output is not None:

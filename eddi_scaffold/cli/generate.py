@@ -191,7 +191,7 @@ def answers(
     from eddi_scaffold.packages.assembly import assemble, monitors_of, only
     from eddi_scaffold.packages.handwritten import lost_sources
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.platforms import choices, chosen
     from eddi_scaffold.yaml_text.writer import dump_plain
 
@@ -208,13 +208,13 @@ def answers(
     packages = packages if every else packages[:1]
     place = output if every else output.parent
     names = [f"{package.folder}.yml" if every else output.name for package in packages]
-    files: dict[str, FileState] = {}
+    files: dict[str, bytes] = {}
     for package, file in zip(packages, names, strict=True):
         folder = f"{file}.files"
         more = {"files_folder": str((place / folder).resolve())} if package.files else {}
-        files[file] = FileState(dump_plain({**package.answers, **more}).encode())
+        files[file] = dump_plain({**package.answers, **more}).encode()
         for path, data in package.files.items():
-            files[f"{folder}/{path.rpartition('/')[2]}"] = FileState(data)
+            files[f"{folder}/{path.rpartition('/')[2]}"] = data
     write(place, files)
     template = own_template()
     template.keep()

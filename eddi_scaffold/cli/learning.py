@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+from contextlib import closing
 from pathlib import Path
 from textwrap import fill
 from typing import Annotated
@@ -13,8 +14,9 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli.console import ExitStatus, console
-from eddi_scaffold.cli.options import Files
+from eddi_scaffold.cli.options import Domains, Files
 from eddi_scaffold.cli.run import recorded
+from eddi_scaffold.cli.watch import opened
 from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
 
 
@@ -27,7 +29,7 @@ def example(name: str, folder: Annotated[Path | None, typer.Argument()] = None) 
         name: Name of the example; `list` prints them.
         folder: New folder for its files.
     """
-    from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState, write
+    from eddi_scaffold.packages.transaction import write
 
     names = list(described())
     if name == "list":
@@ -45,11 +47,12 @@ def example(name: str, folder: Annotated[Path | None, typer.Argument()] = None) 
     folder = _examples() / name
     paths = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*")}
     files = {
-        name: FileState(path.read_bytes(), NEW_PROGRAM if os.access(path, os.X_OK) else NEW)
+        name: path.read_bytes()
         for name, path in paths.items()
         if path.is_file() and not name.startswith("expected/") and "__pycache__/" not in name
     }
-    write(target, files)
+    programs = {name for name in files if os.access(paths[name], os.X_OK)}
+    write(target, files, programs=programs)
     for file in sorted(files):
         console.data(str(target / file))
     console.say(f"next: read {target / 'README.md'}")
@@ -79,11 +82,14 @@ def explain(
     config: list[Path] | None = None,
     workspace: Path | None = None,
     no_code: bool = False,
+    master: str | None = None,
+    domain: Domains = None,
     as_json: bool = False,
 ) -> None:
     """Say why a claim does not hold, or what a problem means.
 
-    Ends with status 0 when the claim holds, 1 when it does not, 2 when nobody tells.
+    Of a recording or of a robot that runs. Ends with status 0 when the claim holds, 1 when it does
+    not, 2 when nobody tells.
 
     Example: eddi-scaffold explain FullSpeed robot.yml --bag shift.bag --at 12.7
 
@@ -94,23 +100,37 @@ def explain(
         at: Seconds from its first message, as `run` prints them; by default its end.
         workspace: Workspace or output folder: its packages run.
         no_code: Leave out the code of packages.
+        master: ROS 1 master of the robot that runs.
+        domain: ROS 2 domain of the robot that runs, read over DDS; may be repeated.
     """
-    if _CODE.fullmatch(name) or not (bag or files or workspace):
+    if _CODE.fullmatch(name) or not (bag or files or workspace or master or domain):
         _explain_code(name, as_json=as_json)
         return
     from eddi_runtime.why import TRUE, ClaimWhy, clean
 
     from eddi_scaffold.recordings.playing import play, played
     from eddi_scaffold.recordings.results import sentence, told
+    from eddi_scaffold.watch.fleet import FleetState
+    from eddi_scaffold.watch.following import Clock, ask
 
-    options = {"--config": config or [], "--name": None, "--default-guarantee": ()}
-    options |= {"--system": None, "--models": None}
-    members, recording = recorded(files or [], None, bag, workspace, options, code=not no_code)
+    clock: Clock = "{:.3f}".format
     last: dict[str, tuple[float, ClaimWhy]] = {}
-    for monitor, t, why in told(play(played(members), recording), name):
-        if t > at + 1e-9 and last:
-            break
-        last[monitor] = (t, why)
+    if master or domain:
+        played_of = {"FILE": files, "--bag": bag, "--workspace": workspace}
+        if names := [name for name, value in played_of.items() if value]:
+            names = ["--master" if master else "--domain", *names]
+            raise EddiError(problem("G000.exclude", options=" and ".join(names)))
+        source, clock = opened(None, master, domain, None)
+        with closing(source):
+            last = ask(source, FleetState(), name, console.say)
+    else:
+        options = {"--config": config or [], "--name": None, "--default-guarantee": ()}
+        options |= {"--system": None, "--models": None}
+        members, recording = recorded(files or [], None, bag, workspace, options, code=not no_code)
+        for monitor, t, why in told(play(played(members), recording), name):
+            if t > at + 1e-9 and last:
+                break
+            last[monitor] = (t, why)
     for monitor, (t, why) in last.items():
         if as_json:
             row = {"t": t, "monitor": monitor, "claim": why.id, **why.as_json()}
@@ -118,7 +138,7 @@ def explain(
             continue
         console.data(f"{f'{monitor}: ' if monitor else ''}{sentence(why)}")
         for cause in why.causes:
-            console.data(f"  since {max(t - cause.since, 0.0):.3f}  {clean(cause.chain)}")
+            console.data(f"  since {clock(max(t - cause.since, 0.0))}  {clean(cause.chain)}")
     if any(why.verdict != TRUE for _, why in last.values()):
         raise typer.Exit(ExitStatus.NO)
 
@@ -129,7 +149,7 @@ def _explain_code(code: str, *, as_json: bool) -> None:
     diagnostic = catalogue.find(code)
     if diagnostic is None:
         similar = catalogue.similar(code)
-        hint = "a code is like K007; of a claim: FILE --bag FILE"
+        hint = "a code is like K007; of a claim: FILE --bag FILE, or --master URI"
         hint = f"did you mean {' or '.join(similar)}?" if similar else hint
         raise EddiError(problem("G008.code", hint=hint, code=code))
     if as_json:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -39,7 +38,7 @@ def diagram(
     from eddi_scaffold.monitors.exports import pictures
     from eddi_scaffold.monitors.loading import checked_models, model_for
     from eddi_scaffold.monitors.survey import configured
-    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.packages.transaction import write
 
     source = read_source(model)
     single = output is None or output.suffix.lower() == ".svg"
@@ -57,7 +56,7 @@ def diagram(
         return
     if single:
         files, output = dict(zip([output.name], files.values(), strict=True)), output.parent
-    write(output, {file: FileState(svg.encode()) for file, svg in files.items()})
+    write(output, {file: svg.encode() for file, svg in files.items()})
     for file in files:
         console.success(f"{output / file}")
 
@@ -147,7 +146,7 @@ def export(
     from eddi_scaffold.monitors.exports import written_into
     from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
     from eddi_scaffold.packages.assembly import monitors_of
-    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.packages.transaction import write
 
     if (output is None) == (into is None):
         raise EddiError(problem("G000.one_destination"))
@@ -168,19 +167,18 @@ def export(
     console.problems(in_order([*problems, *checked]))
     if into is not None:
         before = read_source(into)
-        old = FileState(before.data, stat.S_IMODE(into.stat().st_mode))
-        new = replace(old, data=written_into(before, at, chosen))
+        new = written_into(before, at, chosen)
         write(into.parent, {into.name: new}, {into.name: before.data})
         console.data(str(into))
         return
     assert output is not None
-    files: dict[str, FileState] = {}
+    files: dict[str, bytes] = {}
     for item in chosen:
         for file, text in item.export().items():
             # Upper and lower case are the same on some disks.
             if file.lower() in map(str.lower, files):
                 raise EddiError(problem("G004.one_file", item.place, file=file, model=item.name))
-            files[file] = FileState(text.encode())
+            files[file] = text.encode()
     write(output, files)
     for file in sorted(files):
         console.data(str(output / file))

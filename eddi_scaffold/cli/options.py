@@ -61,6 +61,7 @@ def a_runtime(name: str | None) -> str | None:
 
 Output = Annotated[Path | None, typer.Option("-o", "--output", callback=in_a_folder)]
 Files = Annotated[list[Path] | None, typer.Argument(metavar="[FILE]...", show_default=False)]
+Domains = Annotated[list[int] | None, typer.Option("--domain", min=0, max=232)]
 Packages = Annotated[list[Path] | None, typer.Argument()]
 PLATFORMS = " or ".join(platform_names())
 PlatformName = Annotated[str, typer.Option("--platform", help=f"{PLATFORMS}.")]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -64,7 +63,7 @@ def run(
         why: Print only when and why this claim does not hold: ID, or MONITOR.ID.
         plot: SVG to draw into: inputs and outputs; of several monitors, their verdicts.
     """
-    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.recordings.playing import ROWS, play, played, raising
     from eddi_scaffold.recordings.results import changes, picture, sentences, steps, table
 
@@ -98,7 +97,7 @@ def run(
         title = f"{first.kind.title} {first.model.name}"
         title = title if len(members) == 1 else f"{len(members)} monitors, their verdicts"
         svg = picture(title, play(played(members, rule), recording))
-        write(plot.parent, {plot.name: FileState(svg.encode())})
+        write(plot.parent, {plot.name: svg.encode()})
 
 
 def recorded(
@@ -111,7 +110,6 @@ def recorded(
     code: bool,
 ) -> tuple[list[Member], Recording]:
     """Return what is to be played and the recording; problems, and whose code runs, are printed."""
-    from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.recordings.bags import read_bag
     from eddi_scaffold.recordings.members import read_values
 
@@ -120,9 +118,7 @@ def recorded(
     members, problems = _members(files, workspace, options, code=code)
     without = any(member.monitor.config is None for member in members)
     if inputs is not None:
-        beside = [path for path in (*files, *options["--config"]) if path.is_file()]
-        others = partial(inputs_of_others, beside)
-        members, recording, more = read_values(read_source(inputs), members, others)
+        members, recording, more = read_values(read_source(inputs), members)
         if without:
             hint = "generate the package with -c" if members[0].code else "give it with -c"
             more = [*more, problem("I016", hint=hint)]

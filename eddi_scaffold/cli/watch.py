@@ -5,31 +5,27 @@ from __future__ import annotations
 import json
 import os
 import threading
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import Files
+from eddi_scaffold.cli.options import Domains
 from eddi_scaffold.common.problems import EddiError, problem
 
 if TYPE_CHECKING:
-    from eddi_scaffold.kinds import Model
     from eddi_scaffold.watch.fleet import FleetState
     from eddi_scaffold.watch.following import Clock
     from eddi_scaffold.watch.messages import Source
-    from eddi_scaffold.watch.page import Pictures
 
 _MASTER = "http://localhost:11311"
 
 
 def watch(
-    files: Files = None,
     bag: Path | None = None,
     master: str | None = None,
-    domain: Annotated[list[int] | None, typer.Option("--domain", min=0, max=232)] = None,
+    domain: Domains = None,
     robot: list[str] | None = None,
     patience: Annotated[float, typer.Option("--patience", min=0.1)] = 3.0,
     text: bool = False,
@@ -45,8 +41,6 @@ def watch(
     Example: eddi-scaffold watch --text --robot arm
 
     Args:
-        files: Models, configurations or a deployment file, so that the page draws the models of the
-            monitors; it works without.
         bag: ROS 1 or 2 bag in which monitors' messages were recorded.
         master: ROS 1 master; by default ROS_MASTER_URI, else http://localhost:11311.
         domain: ROS 2 domain, read over DDS; by default ROS_DOMAIN_ID where there is no
@@ -62,10 +56,10 @@ def watch(
     from eddi_scaffold.watch.messages import requested_robots
 
     state = FleetState(requested_robots(robot or ()), patience)
-    source, clock = _opened(bag, master, domain, None if text or as_json else speed)
+    source, clock = opened(bag, master, domain, None if text or as_json else speed)
     try:
         if not (text or as_json):
-            _serve(source, state, clock, port, files or [])
+            _serve(source, state, clock, port)
             return
         for change in changes(source, state, console.say):
             data = json.dumps(document(change, clock)) if as_json else line(change, clock)
@@ -74,7 +68,7 @@ def watch(
         source.close()
 
 
-def _opened(
+def opened(
     bag: Path | None, master: str | None, domains: list[int] | None, speed: float | None
 ) -> tuple[Source, Clock]:
     """Return the source that is asked for, and what writes its times."""
@@ -100,15 +94,13 @@ def _opened(
     return DdsGraphs(dict.fromkeys(domains)), time_of_day
 
 
-def _serve(
-    source: Source, state: FleetState, clock: Clock, port: int, models: Sequence[Path]
-) -> None:
+def _serve(source: Source, state: FleetState, clock: Clock, port: int) -> None:
     """Show the page, as long as nobody interrupts it."""
     from eddi_scaffold.watch.following import follow
     from eddi_scaffold.watch.page import Feed, View, open_server
 
     feed = Feed(View(state.snapshot(0.0), clock))
-    with open_server(port, feed, pictures_of(models)) as server:
+    with open_server(port, feed) as server:
         console.say(f"the fleet is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
@@ -117,29 +109,3 @@ def _serve(
         finally:
             feed.close()
             server.shutdown()
-
-
-def pictures_of(paths: Sequence[Path]) -> Pictures:
-    """Return the pictures of models, configurations that name theirs, and deployment files."""
-    from eddi_scaffold.kinds import kinds
-
-    models = (model for path in paths for model in _models(path))
-    pictures = ((kinds()[model.kind].title, model.name, model.diagram()) for model in models)
-    return {(title, name): picture for title, name, picture in pictures if picture is not None}
-
-
-def _models(path: Path) -> Sequence[Model]:
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.config.deployment_file import is_fleet
-    from eddi_scaffold.deployments.fleet_checks import sites_of
-    from eddi_scaffold.monitors.loading import checked_models, is_config
-    from eddi_scaffold.packages.assembly import monitors_of
-
-    source = read_source(path)
-    if is_fleet(source):
-        sites, _ = sites_of(source, checked_models)
-        return [monitor.model for site in sites for monitor in site.monitors]
-    if is_config(source):
-        monitors, _ = monitors_of(None, [path])
-        return [monitor.model for monitor in monitors]
-    return checked_models(path, ()).models

@@ -81,9 +81,13 @@ def _refuse(mode: int, path: str | Path) -> None:
 HEAD_BYTES = 4096
 _NETWORK = "save it as XDSL, XMLBIF 0.3 or BIF"
 _BY_GENIE = f"GeNIe opens it: {_NETWORK}"
+IMPORT = "import it in EDDI-Editor, and name the file that it saves"
 _FORMATS = (
     (rb"\Aversion https://git-lfs\.", "a pointer of Git LFS, not the file", "run `git lfs pull`"),
     (rb"\A\x1f\x8b", "compressed by gzip", "unpack it with `gunzip`"),
+    (rb"(?s)\APK\x03\x04.{26}project\.json", "a project of Dymodia", IMPORT),
+    (rb'\A\s*\{\s*"format"\s*:\s*"StateMachine"', "a state machine of Dymodia", IMPORT),
+    (rb"<HiP-HOPS_Results\b", "a file of results of HiP-HOPS", IMPORT),
     (rb"\APK\x03\x04", "a zip archive", "unpack it, and name the file in it"),
     (rb"\A\s*(?://[^\n]*\n\s*)*(?://\s*~->\[DNET-1\]|bnet\b)", "a network of Netica", _BY_GENIE),
     (rb"\A\s*belief\s+network\b", "a network of MSBN", _BY_GENIE),

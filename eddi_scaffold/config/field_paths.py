@@ -8,11 +8,11 @@ field is the key of ``[G0]``, is found in ``field_types``.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.escaping import python_literal
-from eddi_scaffold.common.identifiers import is_identifier, key_text
+from eddi_scaffold.common.identifiers import is_identifier
 from eddi_scaffold.common.problems import HintedError, did_you_mean
 from eddi_scaffold.config.field_types import Fields, element, is_primitive, python_type
 
@@ -118,29 +118,15 @@ def _element(match: re.Match[str]) -> Index | ByKey | Every:
     return ByKey(key, field)
 
 
-def _spelling(path: Sequence[Step]) -> Iterator[str]:
-    """Yield ``.name`` of each field, and brackets with what is in them."""
-    for step in path:
-        if isinstance(step, Attribute):
-            yield f".{step.name}"
-        elif isinstance(step, Index):
-            yield f"[{step.position}]"
-        elif isinstance(step, Every):
-            yield "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
-        elif isinstance(step, ByName):
-            yield from (f".{step.values}", f"[{key_text(step.key)}]")
-        else:
-            yield f"[{f'{step.field}=' if step.field else ''}{key_text(step.key)}]"
-
-
-def path_text(path: Sequence[Step]) -> str:
-    """Return a path as a person writes it, keys in quotes where they are not words."""
-    return "".join(_spelling(path)).removeprefix(".")
-
-
 def pattern(path: FieldPath) -> list[str]:
     """Return a path without the keys of its lists: ``.guarantees``, ``[]``, ``.active``."""
-    return [part if part.startswith(".") else "[]" for part in _spelling(path)]
+    parts: list[str] = []
+    for step in path:
+        if isinstance(step, Attribute):
+            parts.append(f".{step.name}")
+        else:
+            parts += [f".{step.values}", "[]"] if isinstance(step, ByName) else ["[]"]
+    return parts
 
 
 def expression(variable: str, path: FieldPath) -> str:

@@ -21,7 +21,14 @@ from eddi_scaffold.common.problems import (
     problem,
 )
 from eddi_scaffold.config.schema import Config, Section
-from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, value_11
+from eddi_scaffold.yaml_text.nodes import (
+    Items,
+    Map,
+    Node,
+    as_text,
+    hint_for_decimals,
+    value_11,
+)
 from eddi_scaffold.yaml_text.spans import inside_scalar
 
 KEY = -1
@@ -142,13 +149,6 @@ def _hint_for_key(
             return "put the expression in quotes: inside { } a comma ends it"
     known_keys = f"known keys: {', '.join(sorted(known))}"
     return hint_for_decimals(key) or did_you_mean(key, known) or known_keys
-
-
-def hint_for_decimals(key: str) -> str | None:
-    """Return the hint for a key that is what stood behind the comma of a number."""
-    if not key[:1].isdecimal():
-        return None
-    return "a number has a decimal point: inside { } a comma ends it"
 
 
 def undecided(node: Node, names: Sequence[str] = ()) -> Iterator[Problem]:

@@ -24,7 +24,6 @@ from pydantic import (
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import HintedError, did_you_mean
 from eddi_scaffold.config.field_types import PRIMITIVES
-from eddi_scaffold.yaml_text.writer import dump_plain
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
 _INPUT_TYPES = {
@@ -38,10 +37,7 @@ _ADDRESS = re.compile(r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>")
 _SECONDS = {"": 1.0, "ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
 _HERTZ = {"": 1.0, "hz": 1.0, "khz": 1e3}
 _LONGEST = 1e6  # seconds: more is not a limit at all
-_NOT_IN_ROS = {
-    "double": "float64", "float": "float32", "int": "int32", "long": "int64", "boolean": "bool",
-    "str": "string",
-}  # fmt: skip
+_NOT_IN_ROS = {"double": "float64", "float": "float32", "int": "int32", "boolean": "bool"}
 """Names of types in C++ and Python -> those of message files."""
 
 
@@ -63,23 +59,13 @@ def _number(
         if match is not None and match[2] and match[2] in units:
             value = float(f"{float(match[1]) * units[match[2]]:.15g}")
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise HintedError(f"{what} are expected", _number_hint(value))
+            digits = "write digits and a decimal point, such as 0.5"
+            raise HintedError(f"{what} are expected", digits if isinstance(value, str) else None)
         if not is_legal(value):  # never true of not-a-number
             raise HintedError(f"{what} are expected", hint)
         return float(value)
 
     return BeforeValidator(check)
-
-
-def _number_hint(value: object) -> str | None:
-    """Return the hint for a text that a person means as a number."""
-    text = value.strip().casefold() if isinstance(value, str) else ""
-    if re.fullmatch(r"\d+,\d+", text):
-        return f"a decimal point: {text.replace(',', '.')}"
-    match = _QUANTITY.fullmatch(text)
-    if match is None or match[2]:  # with a unit it would have been read
-        return None
-    return f"write {dump_plain(float(match[1])).strip().removesuffix('.0')}"
 
 
 def text(is_legal: Callable[[str], object], what: str, hint: str | None = None) -> AfterValidator:
@@ -100,20 +86,15 @@ def _is_line(text: str) -> bool:
 def _message_type(text: str) -> str:
     match = _MESSAGE_TYPE.fullmatch(text)
     if match is None:
-        meant = text.replace("::msg::", "/").replace("::", "/").replace(".msg.", "/")
-        hint = f"did you mean {meant!r}?" if _MESSAGE_TYPE.fullmatch(meant) else None
-        expected = "a message type is expected, such as std_msgs.Bool or std_msgs/Bool"
-        raise HintedError(expected, hint)
+        raise ValueError("a message type is expected, such as std_msgs.Bool or std_msgs/Bool")
     return f"{match[1]}/{match[2]}"
 
 
 def _field_type(text: str) -> str:
-    name, bracket, length = text.partition("[")
-    if name in _NOT_IN_ROS:
-        ros = _NOT_IN_ROS[name] + bracket + length
-        raise ValueError(f"{name!r} is no type of ROS messages; write {ros}")
+    name = text.partition("[")[0]
     if re.fullmatch("[a-z][a-z0-9_]*", name) and name not in PRIMITIVES:
         hint = did_you_mean(name, PRIMITIVES) or "such as float64 or std_msgs/Header"
+        hint = f"write {_NOT_IN_ROS[name]}" if name in _NOT_IN_ROS else hint
         raise HintedError(f"there is no type {name!r}: a type of ROS messages is expected", hint)
     return text
 

@@ -35,13 +35,6 @@ _OF_WHAT_LACKS = ("D006", "G001", "X037")
 """What is reported of something that no file has: it may be in one that could not be read."""
 
 
-@dataclass(frozen=True)
-class ByHand(UnwrittenInput):
-    """An input that only hand-written code can make of its messages (K050)."""
-
-    of: str = ""  # the input and its monitor, for people
-
-
 def check_files(
     files: Sequence[Path],
     default_guarantees: Sequence[str] = (),
@@ -185,5 +178,7 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
             if binding.requires and not binding.is_given:
                 of = f"{binding.model.id} (input of {monitor.id})"
                 place = config.place("EDDIInputs", index[binding.model.id])
-                reported, regions = problem("K050.input", place, input=of), binding.regions
-                yield ByHand(**vars(reported), package=package, regions=regions, of=of)
+                reported = problem("K050.input", place, input=of)
+                yield UnwrittenInput(
+                    **vars(reported), package=package, regions=binding.regions, by_hand=of
+                )

@@ -153,7 +153,7 @@ def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor |
         kind, file = kinds()[answers["kind"]], str(answers["model_file"])
         alone = {
             output["topic_text"]: "the same field"
-            for output in answers.get("outputs") or ()
+            for output in answers.get("publications") or ()
             if "topic_text" in output and output["type_text"].startswith("std_msgs/")
         }
         name = config.config.Model.id

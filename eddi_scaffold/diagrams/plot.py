@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby, pairwise
+from operator import itemgetter
 from typing import Literal
 
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.diagrams.svg import document
+from eddi_scaffold.diagrams.svg import DRAWING, document
 
 Value = bool | int | float | str | None  # `None` is unknown
 
@@ -90,8 +92,8 @@ def ticks(low: float, high: float) -> list[float]:
     return [round(k * step, 12) for k in range(first, last + 1)]
 
 
-_LEFT, _RIGHT, _WIDTH = 230, 70, 1000
-_TOP, _BAND, _GRAPH, _GAP, _HEADING = 46, 18, 64, 8, 24
+_LEFT, _RIGHT, _WIDTH = 200, 60, 860  # as wide as the column of a README: nothing is scaled
+_TOP, _BAND, _GRAPH, _REASON, _GAP, _HEADING = 46, 18, 64, 14, 8, 24
 _COLOURS = {True: "#1f5f99", False: "#c9ced6", None: "url(#unknown)"}
 _WORDS = {True: "holds", False: "known not to hold", None: "unknown"}
 _LEGEND = {
@@ -99,20 +101,9 @@ _LEGEND = {
     False: "known not to hold, false",
     None: "unknown, which counts as not",
 }
-_STYLE = (
-    "text{font:12px sans-serif;fill:#1f2933}.small{font-size:10px;fill:#52606d}"
-    ".reason{font-size:10px;paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-opacity:.8}"
-    ".title{font-size:15px;font-weight:bold}.group{font-weight:bold}"
-    ".grid{stroke:#e4e7eb;stroke-width:1}.line{fill:none;stroke:#1f5f99;stroke-width:1.5}"
-)
-_HATCH = (
-    '<defs><pattern id="unknown" width="6" height="6" patternUnits="userSpaceOnUse" '
-    'patternTransform="rotate(45)"><rect width="6" height="6" fill="#fff4d6"/>'
-    '<rect width="2" height="6" fill="#e0a100"/></pattern></defs>'
-)
 _DECADES, _LEAST = 1e3, 1e-15
 """How far probabilities span before their axis is logarithmic, and the least of the highest."""
-_LEAST_SHOWN = 10  # characters of a reason in a bar
+_LEAST_SHOWN = 10  # characters of a reason below a bar
 _MAX_COLUMNS = 2000
 """Steps of a line that are drawn; of more, the lowest and highest of each column are kept."""
 
@@ -131,14 +122,14 @@ def plot(title: str, tracks: Sequence[Track]) -> str:
         height = _GRAPH if track.form == "number" else _BAND
         body.append(_text(_LEFT - 10, y + height // 2 + 4, track.name, anchor="end", width=28))
         body += (_line if track.form == "number" else _bands)(track, y, height, span)
-        y += height + _GAP
+        y += height + _GAP + (_REASON if any(track.reasons) else 0)
     body = [_text(12, 24, title, "title"), *_grid(span, y), *body, *_legend(y + 40)]
-    style = f"<style>{_STYLE}</style>{_HATCH}"
-    return document(xml_text(title), f"{_WIDTH}", f"{y + 56}", [style], body)
+    return document(xml_text(title), f"{_WIDTH}", f"{y + 56}", [DRAWING["plot"]], body)
 
 
 def _bands(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
-    for begin, until, value, reason in stretches(track, span[1]):
+    parts = stretches(track, span[1])
+    for begin, until, value, reason in parts:
         x, wide = _x(begin, span), max(_x(until, span) - _x(begin, span), 1.0)
         truth = None if value is None else bool(value)
         colour = "#d6e4f5" if isinstance(value, str) else _COLOURS[truth]
@@ -147,11 +138,15 @@ def _bands(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
         why = f", {reason}" if reason else ""
         title = xml_text(f"{text}: {begin:g} s to {until:g} s{why}")
         yield f'<rect {place} fill="{colour}"><title>{title}</title></rect>'
-        most = int(wide / (6.4 if reason else 7))  # characters
-        if reason and most > _LEAST_SHOWN:
-            yield _text(x + 4, y + 13, reason, "reason", width=most, title=title)
-        elif isinstance(value, str) and most > len(value):
+        if isinstance(value, str) and wide / 7 > len(value):
             yield _text(x + 4, y + 13, value, "small")
+    # Below, the reason that lasted longest of each time without a change, up to the next one.
+    runs = (max(run, key=lambda one: one[1] - one[0]) for _, run in groupby(parts, itemgetter(2)))
+    told = [(_x(begin, span), reason) for begin, _, _, reason in runs if reason]
+    for (x, reason), (end, _) in pairwise([*told, (float(_WIDTH), "")]):
+        most = int((end - x) / 5.3) - 1  # characters
+        if most > _LEAST_SHOWN:
+            yield _text(x, y + height + 11, reason, "reason", width=most, title=xml_text(reason))
 
 
 def _line(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
@@ -222,10 +217,11 @@ def _grid(span: Span, bottom: int) -> Iterable[str]:
 
 
 def _legend(y: int) -> Iterable[str]:
-    for number, (value, word) in enumerate(_LEGEND.items()):
-        x = _LEFT + 260 * number
-        yield f'<rect x="{x}" y="{y - 9}" width="14" height="10" fill="{_COLOURS[value]}"/>'
+    x = 12.0
+    for value, word in _LEGEND.items():
+        yield f'<rect x="{_n(x)}" y="{y - 9}" width="14" height="10" fill="{_COLOURS[value]}"/>'
         yield _text(x + 20, y, word, "small")
+        x += 50 + 5.6 * len(word)
 
 
 def _rule(left: float, top: float, right: float, bottom: float) -> str:

@@ -3,32 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from eddi_scaffold.common.escaping import xml_text
+from eddi_scaffold.common.toml_tables import read_toml
 from eddi_scaffold.diagrams import Diagram, LegendEntry, Shape, Tone
 from eddi_scaffold.diagrams.layout import LINE, RULE, Box, Route, laid_out, text_width
 
 _MARGIN, _TITLE, _LEGEND = 24.0, 40.0, 30.0
-_TONES: dict[Tone, tuple[str, str]] = {
-    "output": ("#e3f1e7", "#2e7d4f"),
-    "input": ("#e3edf8", "#1f5f99"),
-    "demand": ("#f3e8f7", "#7b3f98"),
-    "gate": ("#ffffff", "#1f2933"),
-    "neutral": ("#f5f7fa", "#52606d"),
-    "warning": ("#fff4d6", "#b07c00"),
-    "refused": ("#fde8e6", "#9b1c13"),
-}
-_STYLE = (
-    "text{font:12px sans-serif;fill:#1f2933;text-anchor:middle}"
-    ".title{font-size:15px;font-weight:bold;text-anchor:start}"
-    ".head{font-weight:bold}.small{font-size:11px;fill:#52606d}.left{text-anchor:start}"
-    ".edge{fill:none;stroke:#52606d;stroke-width:1.2}"
-)
-_ARROW = (
-    '<defs><marker id="end" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="8" '
-    'markerHeight="8" orient="auto-start-reverse"><path d="M0 1L10 5L0 9z" fill="#52606d"/>'
-    "</marker></defs>"
-)
+DRAWING = read_toml(Path(__file__).with_name("drawing.toml"))
+"""How what is drawn looks."""
 
 
 def drawn(diagram: Diagram) -> str:
@@ -40,7 +24,7 @@ def drawn(diagram: Diagram) -> str:
     legend_y = _TITLE + layout.height + _MARGIN
     height = legend_y + (_LEGEND if diagram.legend else 0.0)
     name, top = xml_text(diagram.title), _n(_TITLE)
-    head = (f"<desc>{xml_text(diagram.description)}</desc>", f"<style>{_STYLE}</style>", _ARROW)
+    head = (f"<desc>{xml_text(diagram.description)}</desc>", DRAWING["diagram"])
     body = [
         f'<text class="title" x="{_n(_MARGIN)}" y="24">{name}</text>',
         f'<g transform="translate({_n((width - layout.width) / 2)} {top})">',
@@ -59,6 +43,7 @@ def document(name: str, width: str, height: str, head: Iterable[str], body: Iter
     return "\n".join([
         f'<svg xmlns="http://www.w3.org/2000/svg" {box}>',
         f"<title>{name}</title>",
+        DRAWING["dark"],
         *head,
         f'<rect {size} fill="#ffffff"/>',
         *body,
@@ -97,31 +82,13 @@ def _node(box: Box) -> Iterable[str]:
         top -= RULE / 2
         y = _n(top + LINE + RULE / 2)
         left, right = _n(box.x - box.width / 2), _n(box.x + box.width / 2)
-        colour = _TONES[node.tone][1]
+        colour = DRAWING["tones"][node.tone][1]
         yield f'<path d="M{left} {y}H{right}" stroke="{colour}" stroke-width="1"/>'
     for number, line in enumerate(box.lines):
         style = ' class="head"' if number == 0 else ""
         y = _n(top + number * LINE + 11.5 + (RULE if number and has_rule else 0.0))
         yield f'<text{style} x="{_n(box.x)}" y="{y}">{xml_text(line)}</text>'
     yield "</g>"
-
-
-_BOX = "M{left} {top}H{right}V{bottom}H{left}z"
-_ARC = "a{r} {r} 0 0 1"
-_PATHS: dict[Shape, str] = {
-    "box": _BOX,
-    "table": _BOX,
-    "rounded": "M{left_r} {top}H{right_r}" + _ARC + " {r} {r}V{bottom_r}" + _ARC + " {minus_r} {r}"
-    "H{left_r}" + _ARC + " {minus_r} {minus_r}V{top_r}" + _ARC + " {r} {minus_r}z",
-    "ellipse": "M{left} {y}A{rx} {ry} 0 0 1 {right} {y}A{rx} {ry} 0 0 1 {left} {y}z",
-    "hexagon": "M{left} {y}L{left_cut} {top}H{right_cut}L{right} {y}L{right_cut} {bottom}"
-    "H{left_cut}z",
-    # The gates of IEC 61025: a flat foot and a round head; a hollow foot and a pointed head.
-    "and": "M{left} {bottom}V{shoulder}A{rx} {head} 0 0 1 {right} {shoulder}V{bottom}z",
-    "or": "M{left} {bottom}Q{left} {side} {x} {top}Q{right} {side} {right} {bottom}"
-    "Q{x} {foot} {left} {bottom}z",
-    "not": "M{left} {bottom}L{x} {top}L{right} {bottom}z",
-}
 
 
 def _outline(shape: Shape, tone: Tone, x: float, y: float, width: float, height: float) -> str:
@@ -136,8 +103,8 @@ def _outline(shape: Shape, tone: Tone, x: float, y: float, width: float, height:
         "shoulder": top + head, "head": top + head - top,
         "side": top + (bottom - top) * 0.45, "foot": bottom - (bottom - top) * 0.22,
     }  # fmt: skip
-    path = _PATHS[shape].format_map({name: _n(value) for name, value in numbers.items()})
-    fill, stroke = _TONES[tone]
+    path = DRAWING["paths"][shape].format_map({name: _n(value) for name, value in numbers.items()})
+    fill, stroke = DRAWING["tones"][tone]
     dashes = ' stroke-dasharray="4 3"' if tone == "warning" else ""
     return f'<path d="{path}" fill="{fill}" stroke="{stroke}" stroke-width="1.4"{dashes}/>'
 

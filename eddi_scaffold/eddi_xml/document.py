@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from types import MappingProxyType
 from typing import Any
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
+from eddi_scaffold.eddi_xml.eddi_editor import in_form_of_emf
+from eddi_scaffold.eddi_xml.machine_json import is_machine, read_machine
 from eddi_scaffold.eddi_xml.parsing import (
     DEFAULT_LIMITS,
     HEAD_BYTES,
@@ -58,8 +61,15 @@ _BY_FEATURE: Mapping[str, str] = METAMODEL["kinds_of_features"]
 class EddiDocument:
     """A parsed EDDI."""
 
-    def __init__(self, document: Element, name: str, limits: Limits) -> None:
+    def __init__(
+        self,
+        document: Element,
+        name: str,
+        limits: Limits,
+        origins: Mapping[Element, Place] = MappingProxyType({}),
+    ) -> None:
         self.name, self.document, self.limits = name, document, limits
+        self.origins = origins  # of a file in another form: element -> its place in the file
         is_xmi = feature_of(document) == "XMI"  # the element around several roots
         self.roots = tuple(document.iterchildren()) if is_xmi else (document,)
         self.references = References(self.roots)
@@ -67,7 +77,8 @@ class EddiDocument:
 
     def place(self, element: Element) -> Place:
         """Return the place of an element: file, line and canonical fragment path."""
-        return Place(self.name, line_of(element), None, self.references.path(element))
+        place = self.origins.get(element) or Place(self.name, line_of(element))
+        return replace(place, path=self.references.path(element))
 
     def class_of(self, element: Element) -> ClassName:
         """Return the class that an element states: by ``xsi:type``, or by its tag at a root."""
@@ -293,20 +304,30 @@ class EddiFindings:
 
 
 def recognises(source: Source) -> bool:
-    """Return whether a file looks like XML."""
+    """Return whether a file looks like an EDDI: XML, or the JSON of a stand-alone machine."""
     with source.open() as stream:
-        return looks_like_xml(stream.read(HEAD_BYTES))
+        return looks_like_xml(stream.read(HEAD_BYTES)) or is_machine(source)
 
 
 def read_document(
     source: Source, limits: Limits = DEFAULT_LIMITS
 ) -> tuple[EddiDocument | None, list[Problem]]:
     """Parse an EDDI; ``None`` and the errors X001 or X003 when that is impossible."""
-    with source.open() as stream:
-        element, problems = load(stream, source.name, limits)
+    origins: Mapping[Element, Place] = {}
+    if is_machine(source):
+        element, origins, problems = read_machine(source)
+    else:
+        with source.open() as stream:
+            element, problems = load(stream, source.name, limits)
     if element is None:
         return None, problems
-    document = EddiDocument(element, source.name, limits)
+    converted = in_form_of_emf(element, source.name, origins)
+    if converted is not None:
+        element, origins, more = converted
+        problems += more
+    if element is None:
+        return None, problems
+    document = EddiDocument(element, source.name, limits, origins)
     for root in document.roots:
         class_name = local_name(document.class_of(root).printed)
         if fold(class_name) == "ddipackage" and is_misprint(class_name):

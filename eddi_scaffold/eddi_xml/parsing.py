@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, BinaryIO, NamedTuple, TypeAlias
 
 from lxml import etree
@@ -122,6 +122,14 @@ def load(
     return document, [problem("X006.prefix", place, prefix=prefix) for prefix in undeclared]
 
 
+def new_element(tag: str, parent: Element | None, attributes: Mapping[str, str]) -> Element:
+    """Return a new element, the last child of its parent."""
+    element = etree.Element(tag, dict(attributes))
+    if parent is not None:
+        parent.append(element)
+    return element
+
+
 def line_of(element: Element) -> int | None:
     """Return the line of an element, counted from 1."""
     stated: Any = element.sourceline  # the stubs give it no type
@@ -159,7 +167,7 @@ def only(
 ) -> tuple[Element | None, list[Problem]]:
     """Return the one element that may be there, and an error at each further one."""
     return next(iter(elements), None), [
-        problem(case, place(again), feature=feature_of(again), line=line_of(elements[0]))
+        problem(case, place(again), feature=feature_of(again), line=place(elements[0]).line)
         for again in elements[1:]
     ]
 

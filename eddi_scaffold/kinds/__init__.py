@@ -15,8 +15,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeAlias, cast
 
-from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meanings, Use
+from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meaning, Meanings, Use
 from eddi_scaffold.common.problems import EddiError, Place
+from eddi_scaffold.common.toml_tables import read_toml
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -36,7 +37,6 @@ JsonValue: TypeAlias = (
     "bool | int | float | str | Sequence[JsonValue] | Mapping[str, JsonValue] | None"
 )
 """What ``json`` reads and writes."""
-JsonObject: TypeAlias = Mapping[str, JsonValue]  # What is written as an object
 
 
 @dataclass(frozen=True)
@@ -234,13 +234,13 @@ class Model:
         raise NotImplementedError
 
     @classmethod
-    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
+    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:  # noqa: ARG003 - of an event
         """Return what the fields of its messages express of what is known.
 
         Args:
             claims: those on the topic; ``None``: they are not known.
         """
-        raise NotImplementedError
+        return _meanings(cls.kind)
 
     def check(self) -> Sequence[Problem]:
         """Return the problems that the readers do not see (static checks)."""
@@ -368,6 +368,15 @@ class Model:
         ``None`` where it does, or where nothing is asked of that input.
         """
         return None
+
+
+@cache
+def _meanings(kind: str) -> Meanings:
+    """Return the meanings in the folder of a kind."""
+    from pydantic import TypeAdapter  # noqa: PLC0415 - to know the kinds needs none
+
+    tables = read_toml(Path(__path__[0], kind, "meanings.toml"))
+    return TypeAdapter(dict[str, dict[str, Meaning]]).validate_python(tables)
 
 
 class ClaimField(NamedTuple):

@@ -9,7 +9,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import pydantic_core
@@ -73,27 +73,17 @@ class MonitorFacts:
         """Return the text of the answer, a line for each part; what is the default is left out."""
         model: dict[str, Any] = {}
         lines = []
-        for name, value in _plain(self).items():
-            if isinstance(value, list):
-                lines.append(f'"{name}": [{_NEXT.join(map(json.dumps, value))}]')
+        text = partial(json.dumps, default=sorted)  # of what is a set
+        for name, value in _adapter().dump_python(self, exclude_defaults=True).items():
+            if isinstance(value, tuple):
+                lines.append(f'"{name}": [{_NEXT.join(map(text, value))}]')
             elif isinstance(value, dict):
-                rows = (f"{json.dumps(key)}: {json.dumps(of)}" for key, of in value.items())
+                rows = (f"{text(key)}: {text(of)}" for key, of in value.items())
                 lines.append(f'"{name}": {{{_NEXT.join(rows)}}}')
             else:
                 model[name] = value
         about = f'"model": {json.dumps({**model, "format": self.format})}'
         return f"{{{_NEXT.join([about, *lines])}}}"
-
-
-def _plain(value: Any) -> Any:
-    if is_dataclass(value):
-        parts = ((part, getattr(value, part.name)) for part in fields(value))
-        return {part.name: _plain(of) for part, of in parts if of != part.default}
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, tuple | frozenset):
-        return [*map(_plain, sorted(value) if isinstance(value, frozenset) else value)]
-    return value
 
 
 def from_json(text: object) -> MonitorFacts:

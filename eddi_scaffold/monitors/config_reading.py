@@ -32,7 +32,6 @@ from eddi_scaffold.config.file import (
     ConfigFile,
     Places,
     about_file,
-    hint_for_decimals,
     plain_values,
     undecided,
     violations,
@@ -41,7 +40,7 @@ from eddi_scaffold.config.schema import Config, ModelSection
 from eddi_scaffold.eddi_xml.parsing import looks_like_xml
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.spellings import kinds_of_type, spelt_out
-from eddi_scaffold.yaml_text.nodes import Map, read_maps, text_of
+from eddi_scaffold.yaml_text.nodes import Map, hint_for_decimals, read_maps, text_of
 
 _NO_OUTPUTS = (
     "SimulatorOutputs has none: `--system FILE --models DIR` takes them from the robot's models"

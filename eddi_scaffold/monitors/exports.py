@@ -34,6 +34,8 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
         document, problems = read_document(Source(source.name, data))
         if document is None:
             raise EddiError(*problems)
+        if document.origins:
+            raise EddiError(problem("X036.editor", Place(source.name)))
         element = document.references.at(at)
         if element is None:
             raise EddiError(problem("X007.at", Place(source.name), path=at))

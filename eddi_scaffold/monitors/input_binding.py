@@ -59,6 +59,8 @@ class UnwrittenInput(Problem):
 
     package: str = ""  # of the monitor
     regions: tuple[str, ...] = ()  # ids of the regions, one of which ends it
+    # an input and its monitor, for people, where only code by hand can make it of its messages
+    by_hand: str = ""
 
 
 @dataclass(frozen=True)

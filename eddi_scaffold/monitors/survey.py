@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -135,22 +134,6 @@ def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
     return ours, others
 
 
-def inputs_of_others(configs: Sequence[Path]) -> dict[str, str]:
-    """Return the inputs of other configurations in the folders of some: id -> how to run both."""
-    advice: dict[str, str] = {}
-    for folder in dict.fromkeys(path.parent for path in configs):
-        for path in sorted(folder.iterdir()):
-            if path in configs or path.suffix.lower() not in YAML_SUFFIXES or not path.is_file():
-                continue
-            with suppress(EddiError):
-                for config in read_file(read_source(path))[0]:
-                    monitor = config.config.Model.id
-                    text = f"it is an input of {monitor}: run both, with -c {path}"
-                    for entry in config.config.EDDIInputs:
-                        advice.setdefault(entry.id, text)
-    return advice
-
-
 def _is_ours(path: Path) -> bool:
     """Return whether a file can be checked: it is of ours, or too damaged to tell."""
     try:
@@ -160,8 +143,10 @@ def _is_ours(path: Path) -> bool:
     if named_like_mros(source.name) or any(kind.recognises(source) for kind in kinds().values()):
         return True
     if is_xml(source):
-        document, _ = read_document(source)
-        return document is None or foreign(document) is None
+        document, problems = read_document(source)
+        if document is None:
+            return all(each.case != "F003.other" for each in problems)
+        return foreign(document) is None
     if source.name.lower().endswith(YAML_SUFFIXES):
         return is_config(source) or is_fleet(source) or read_map(source, "K001")[0] is None
     return False

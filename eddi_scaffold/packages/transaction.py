@@ -6,31 +6,23 @@ import codecs
 import errno
 import secrets
 import shutil
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Container, Mapping
 from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.common.files import refuse_input, saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.regions.package import Step, kind_of, put_aside
 
-NEW, NEW_PROGRAM = 0o644, 0o755  # permissions of files that were not there before
-
-
-@dataclass(frozen=True)
-class FileState:
-    """Content and permission bits of one file."""
-
-    data: bytes
-    mode: int = NEW
-
 
 def write(
-    root: Path, files: Mapping[str, FileState], before: Mapping[str, bytes] | None = None
+    root: Path,
+    files: Mapping[str, bytes],
+    before: Mapping[str, bytes] | None = None,
+    programs: Container[str] = (),
 ) -> None:
-    """Write files below ``root``; with a problem, none.
+    """Write files below ``root``; with a problem, none. The mode of one that is there stays.
 
-    ``before``: path -> the bytes that the new ones were made from.
+    ``before``: path -> the bytes that the new ones were made from. ``programs`` can be executed.
 
     Raises:
         EddiError: nothing could be written (F002), a file was saved meanwhile (F013), or a file
@@ -44,7 +36,13 @@ def write(
         for path in files:
             _refuse_obstacle(root, path)
         root.mkdir(parents=True, exist_ok=True)
-        put_aside(root, [Step(path, of.data, of.mode) for path, of in files.items()], staging)
+        steps = []
+        for path, data in files.items():
+            usual = 0o755 if path in programs else 0o644
+            there = (root / path).is_file()
+            mode = (root / path).stat().st_mode & 0o7777 if there else usual
+            steps.append(Step(path, data, mode))
+        put_aside(root, steps, staging)
         for path, data in read.items():
             if (root / path).read_bytes() != data:
                 raise saved_meanwhile(root / path)
@@ -81,6 +79,5 @@ def rewrite(name: str, before: str | None, after: str) -> None:
     if old is not None and before is None:
         raise saved_meanwhile(Path(name))
     mark = codecs.BOM_UTF8 if old is not None and old.startswith(codecs.BOM_UTF8) else b""
-    mode = NEW if old is None else target.stat().st_mode & 0o7777
     former = {} if before is None else {target.name: mark + before.encode()}
-    write(target.parent, {target.name: FileState(mark + after.encode(), mode)}, former)
+    write(target.parent, {target.name: mark + after.encode()}, former)

@@ -9,18 +9,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.field_types import Fields, MessageFields, element, is_primitive
 from eddi_scaffold.kinds import WHY, JsonValue
-from eddi_scaffold.monitors.answers import files_of, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
 from eddi_scaffold.platforms import (
-    RUNTIME,
     RUNTIME_PACKAGE,
-    VENDORED,
     Meeting,
     MeetingPlace,
     PackageAnswers,
@@ -28,8 +24,7 @@ from eddi_scaffold.platforms import (
     Templates,
     pip_install,
 )
-from eddi_scaffold.platforms.ros_packages import GENERATED, runtime_packages, types_of
-from eddi_scaffold.program.runtime_parts import requirements_of, runtime_parts_of
+from eddi_scaffold.platforms.ros_packages import GENERATED, distribution, runtime_packages, types_of
 
 _IDS = {
     "int8": 2, "uint8": 3, "char": 3, "int16": 4, "uint16": 5, "int32": 6, "uint32": 7, "int64": 8,
@@ -129,15 +124,9 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     monitor, errors = bound_to(monitor, known)
     node, problems = node_of(monitor)
     definitions, unknown = definitions_of(node, known)
-    files = files_of(monitor)
-    answers = shared_answers(monitor, _TEMPLATES.monitor, files)
-    answers["description_literal"] = toml_text(str(answers["description"]))
-    answers["requirements"] = needs = requirements_of(runtime_parts_of(monitor.compiled.text))
-    answers["requirements_text"] = ", ".join(["cyclonedds", *needs])
-    answers["package_data"] = sorted(monitor.compiled.tables)
+    answers, files = distribution(monitor, _TEMPLATES.monitor, "cyclonedds")
     answers |= node.answers(lambda of: f"messages.{of.replace('/', '_')}", has_qos=True)
     answers |= definitions
-    answers[RUNTIME] = VENDORED
     return PackageAnswers(monitor.package, answers, files), [*problems, *errors, *unknown]
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import rospkg
 
 from eddi_scaffold import __version__
+from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.field_types import (
@@ -27,7 +28,14 @@ from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
-from eddi_scaffold.platforms import RUNTIME_PACKAGE, VENDORED, Choices, PackageAnswers, runtime_of
+from eddi_scaffold.platforms import (
+    RUNTIME,
+    RUNTIME_PACKAGE,
+    VENDORED,
+    Choices,
+    PackageAnswers,
+    runtime_of,
+)
 from eddi_scaffold.program.runtime_parts import requirements_of
 from eddi_scaffold.regions.package import LINK, entries
 
@@ -349,3 +357,20 @@ def runtime_packages(
 
 def _system_packages(parts: Any) -> list[JsonValue]:
     return [f"python3-{name}" for name in requirements_of(parts)]
+
+
+def distribution(
+    monitor: BoundMonitor, template: str, *required: str
+) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """Return answers and files of a package that pip installs, which requires others."""
+    files = files_of(monitor)
+    answers: dict[str, Any] = shared_answers(monitor, template, files)
+    requirements = requirements_of(answers["parts"])
+    more = {
+        "description_literal": toml_text(answers["description"]),
+        "requirements": requirements,
+        "requirements_text": ", ".join([*required, *requirements]) or "no other packages",
+        "package_data": sorted(monitor.compiled.tables),
+        RUNTIME: VENDORED,
+    }
+    return {**answers, **more}, files

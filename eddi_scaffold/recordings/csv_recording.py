@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -37,7 +37,6 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASC
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
 _CELL = re.compile(r'(?:\s*"((?:[^"]|"")*)"\s*|([^",]*))(,|$)')
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
-Others = Callable[[], Mapping[str, str]]
 _TIMES = ("time", "times", "timestamp", "stamp", "sec", "secs", "seconds", "t_s", "t [s]")
 """Names of the column t in the recordings of others."""
 _OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
@@ -92,7 +91,7 @@ def recording_of(rows: Sequence[Row]) -> Recording:
 
 
 def read_recording(
-    source: Source, types: Mapping[str, InputType], others: Others = dict
+    source: Source, types: Mapping[str, InputType]
 ) -> tuple[Recording, list[Problem]]:
     """Read the values of inputs; arguments are those of ``read_rows``.
 
@@ -102,22 +101,20 @@ def read_recording(
     Raises:
         EddiError: a problem is an error (I001, I003, I006).
     """
-    rows, problems = read_rows(source, types, others)
+    rows, problems = read_rows(source, types)
     if rows is None:
         raise EddiError(*problems)
     return recording_of(rows), problems
 
 
 def read_rows(
-    source: Source, types: Mapping[str, InputType], others: Others = dict
+    source: Source, types: Mapping[str, InputType]
 ) -> tuple[Sequence[Row] | None, list[Problem]]:
     """Read the rows of a recording.
 
     Args:
         source: the CSV file, UTF-8, comma-separated, cells quoted by ``"`` where needed.
         types: input id -> type of its values; other columns than these and ``t`` are errors.
-        others: returns what to do with inputs that others than these monitors have, by id; it is
-            called where a column is not known.
 
     Returns:
         The rows in the order of time, ``None`` when a problem is an error; and all problems.
@@ -126,7 +123,7 @@ def read_rows(
         text = source.text("I001")
     except EddiError as refused:
         return None, list(refused.problems)
-    reader = _Reader(source.name, types, others)
+    reader = _Reader(source.name, types)
     lines = [line.removesuffix("\r") for line in text.split("\n")]
     rows = reader.read(lines)
     problems = with_excerpts(reader.problems, "\n".join(lines))
@@ -136,7 +133,7 @@ def read_rows(
 def header_of(source: Source) -> Sequence[str]:
     """Return the names of the columns; none of a damaged file: reading it reports what is wrong."""
     lines = filter(str.strip, source.text("I001").split("\n"))
-    cells = _Reader(source.name, {}, dict).cells(1, next(lines, "").removesuffix("\r"))
+    cells = _Reader(source.name, {}).cells(1, next(lines, "").removesuffix("\r"))
     return [cell.text for cell in cells or ()]
 
 
@@ -149,9 +146,9 @@ class _Cell(NamedTuple):
 class _Reader:
     """Reads the lines of one file and collects what is wrong with them."""
 
-    def __init__(self, file: str, types: Mapping[str, InputType], others: Others) -> None:
+    def __init__(self, file: str, types: Mapping[str, InputType]) -> None:
         self.problems: list[Problem] = []
-        self._file, self._types, self._others = file, types, others
+        self._file, self._types = file, types
         self._errors = 0
         self._cut: int | None = None  # line of the first error that is not listed
 
@@ -203,14 +200,12 @@ class _Reader:
             self._report("I001.no_time", number, time_cell.col, hint=hint)
         inputs = [cell for cell in cells if cell is not time_cell]
         seen: set[str] = set()
-        others: Mapping[str, str] | None = None
         for name, col in ((cell.text, cell.col) for cell in inputs):
             if name in seen or (name == TIME and TIME not in self._types):
                 self._report("I001.duplicate_column", number, col, column=name)
             elif name not in self._types:
-                others = self._others() if others is None else others
-                hint = others.get(name) or did_you_mean(name, self._types)
-                hint = hint or f"columns are t and the inputs: {', '.join(self._types)}"
+                known = f"columns are t and the inputs: {', '.join(self._types)}"
+                hint = did_you_mean(name, self._types) or known
                 self._report("I003.unknown_column", number, col, hint=hint, column=name)
             seen.add(name)
         self.problems += [

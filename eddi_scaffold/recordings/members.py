@@ -19,7 +19,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, known_types
 from eddi_scaffold.monitors.input_binding import InputBinding, fits
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.robots import fleet_message
-from eddi_scaffold.recordings.csv_recording import Others, Recording, header_of, read_recording
+from eddi_scaffold.recordings.csv_recording import Recording, header_of, read_recording
 from eddi_scaffold.recordings.node import SECOND, Message, Publications, blank
 
 _ALL = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
@@ -146,7 +146,7 @@ def published(members: Sequence[Member]) -> frozenset[str]:
 
 
 def read_values(
-    file: File, members: Sequence[Member], others: Others = dict
+    file: File, members: Sequence[Member]
 ) -> tuple[list[Member], Recording, list[Problem]]:
     """Read a CSV file for members.
 
@@ -156,7 +156,6 @@ def read_values(
     Args:
         file: the CSV file.
         members: they are given its values.
-        others: as of ``read_rows``.
 
     Returns:
         The members with their columns, the recording, and warnings.
@@ -184,7 +183,7 @@ def read_values(
                 topics[topic], types[topic] = made, made.value_type
             elif topic not in shared:
                 unreached[f"{member.name}.{binding.model.id}"] = None
-    recording, problems = read_recording(file, types, others)
+    recording, problems = read_recording(file, types)
     samples = (
         replace(s, message=topics[s.topic].message(s.message)) if s.topic in topics else s
         for s in recording.samples

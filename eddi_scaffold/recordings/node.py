@@ -6,7 +6,6 @@ by field: a tree that does not fit its ``.msg`` file is refused, as a node would
 
 from __future__ import annotations
 
-import ast
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -306,28 +305,11 @@ def generated_lines(target: EDDIInputBase, binding: InputBinding) -> Process:
     if binding.computed is not None:
         name = binding.model.id
         return lambda *_: setattr(target, binding.attribute, target.expression(name))
-    tree = ast.parse(binding.expression, mode="eval").body if binding.expression else None
+    # made of checked names and literals: the same line is code in a package
+    code = compile(binding.expression or "None", "EDDIInput", "eval")
 
     def process(*messages: Any) -> None:
         names = dict(zip(binding.arguments, messages, strict=True))
-        value = None if tree is None else _value(tree, names)
-        setattr(target, binding.attribute, value)
+        setattr(target, binding.attribute, eval(code, {**_HELPERS}, names))  # noqa: S307
 
     return process
-
-
-def _value(tree: ast.expr, names: Mapping[str, Any]) -> Any:
-    """Evaluate the few forms of which our own expressions are made."""
-    if isinstance(tree, ast.Name):
-        return names[tree.id]
-    if isinstance(tree, ast.Constant):
-        return tree.value
-    if isinstance(tree, ast.Attribute):
-        return getattr(_value(tree.value, names), tree.attr)
-    if isinstance(tree, ast.Tuple):
-        return tuple(_value(elt, names) for elt in tree.elts)
-    if isinstance(tree, ast.Subscript):
-        return _value(tree.value, names)[_value(tree.slice, names)]
-    if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name):
-        return _HELPERS[tree.func.id](*(_value(argument, names) for argument in tree.args))
-    raise TypeError(f"no expression of ours: {ast.dump(tree)}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -96,8 +96,13 @@ def told(play: Playback, claim: str) -> Iterator[tuple[str, float, ClaimWhy]]:
             if is_meant:
                 yield monitor.name, step.t, why
     if not any(names.values()):
-        hint = did_you_mean(claim, names) or f"there are: {', '.join(names) or 'none'}"
-        raise EddiError(problem("G008.claim", hint=hint, claim=claim))
+        raise no_claim(claim, names)
+
+
+def no_claim(claim: str, names: Collection[str]) -> EddiError:
+    """Return the error that no monitor tells of a claim; they tell of those of the names."""
+    hint = did_you_mean(claim, names) or f"there are: {', '.join(names) or 'none'}"
+    return EddiError(problem("G008.claim", hint=hint, claim=claim))
 
 
 def sentence(why: ClaimWhy) -> str:

@@ -14,6 +14,7 @@ from eddi_scaffold.common.claims import State, StatusReading, Verdict
 from eddi_scaffold.kinds import WHY
 from eddi_scaffold.watch.messages import (
     DIAGNOSTICS,
+    DIAGNOSTICS_TOPIC,
     MAX_MONITORS,
     MAX_REASONS,
     MAX_VERDICTS,
@@ -71,7 +72,7 @@ class MonitorView:
     accepted: tuple[str, ...]  # what its configuration accepts in place of what is not known
     last: float  # when its last message came
     silent: bool  # it sends nothing any more
-    report: NodeReport | None  # of its node, `None` where none came, or where it is silent
+    report: NodeReport | None  # the last one of its node
 
 
 @dataclass(frozen=True)
@@ -180,7 +181,7 @@ class _Monitor:
             tuple(dict.fromkeys(text for stream in streams for text in stream.accepted)),
             self.last,
             self.is_silent,
-            None if self.is_silent else report,
+            report,
         )
 
 
@@ -240,7 +241,8 @@ class FleetState:
             return []
         try:
             if message.type == DIAGNOSTICS:
-                for report in reports_of(message.content, message.t):
+                prefix = message.topic.removesuffix(DIAGNOSTICS_TOPIC)
+                for report in reports_of(message.content, message.t, prefix):
                     self._take_report(report)
             if message.type == WHY:
                 return self._take_why(message)
@@ -307,7 +309,7 @@ class FleetState:
             replace(monitor.change(verdicts[id_], verdicts[id_].state, message.t), reasons=(text,))
             for id_, why in self._told[key].whys.items()
             if why.causes and id_ in verdicts and _first(why) != _first(before.get(id_))
-            for text in [plain(why.sentence)]
+            for text in [why.sentence]
         ]
 
     def _take_report(self, report: NodeReport) -> None:

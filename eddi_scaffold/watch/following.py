@@ -6,6 +6,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 
+from eddi_runtime.why import TRUE, ClaimWhy
+
+from eddi_scaffold.recordings.results import no_claim
 from eddi_scaffold.watch.fleet import Change, FleetState, MonitorView, Snapshot, VerdictView
 from eddi_scaffold.watch.messages import Source
 
@@ -13,6 +16,7 @@ Clock = Callable[[float], str]  # seconds of a source -> as a person reads them
 WAIT_S = 0.1  # after which silence is looked for
 _FIRST_NOTES_S = 1.5
 _NOTES = 1000
+_LISTEN_S, _LISTEN_LONGEST_S = 3.0, 10.0  # until everybody who tells is known
 _SHOW_S = 0.5  # between two views of a page, at least
 _ORIGIN_S = time.time() - time.monotonic()
 """Of the monotonic clock, the same for all times, so that no text changes by itself."""
@@ -47,6 +51,41 @@ def follow(
             due = time.monotonic() + _SHOW_S
             show(state.snapshot(now), source.notes())
     show(state.snapshot(now), ("The recording has ended.",))
+
+
+def ask(
+    source: Source, state: FleetState, claim: str, note: Callable[[str], None]
+) -> dict[str, tuple[float, ClaimWhy]]:
+    """Listen until every monitor that has a claim, ``ID`` or ``MONITOR.ID``, has told why it is so.
+
+    Returns:
+        Name of a monitor -> when, and why.
+
+    Raises:
+        EddiError: none has told it (G008); what hinders is noted.
+    """
+    began, now = time.monotonic(), 0.0
+    views: list[tuple[str, VerdictView]] = []
+    meant: dict[str, ClaimWhy | None] = {}
+    for now, _ in _steps(source, state):
+        passed = time.monotonic() - began
+        if passed < _LISTEN_S:
+            continue
+        views = [
+            (f"{robot.name}/{monitor.name}".lstrip("/"), verdict)
+            for robot in state.snapshot(now).robots
+            for monitor in robot.monitors
+            for verdict in monitor.verdicts
+        ]
+        meant = {name: of.why for name, of in views if claim in (of.id, f"{name}.{of.id}")}
+        told = [why for why in meant.values() if why and (why.causes or why.verdict == TRUE)]
+        if 0 < len(meant) == len(told) or passed > _LISTEN_LONGEST_S:
+            break
+    if not any(meant.values()):
+        for text in (*source.notes(), *state.notes):
+            note(text)
+        raise no_claim(claim, {of.id for _, of in views})
+    return {name: (now, why) for name, why in meant.items() if why}
 
 
 def _steps(source: Source, state: FleetState) -> Iterator[tuple[float, list[Change]]]:
@@ -126,7 +165,7 @@ def samples_of(snapshot: Snapshot) -> Samples:
             worst("eddi_monitor_silent", float(monitor.silent), *key)
             worst("eddi_monitor_message_age_seconds", snapshot.t - monitor.last, *key)
             report = monitor.report
-            if report is None:
+            if report is None or monitor.silent:
                 continue
             worst("eddi_monitor_longest_step_seconds", report.longest_step, *key)
             worst("eddi_monitor_steps_total", report.steps, *key)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple, Protocol
 
@@ -128,10 +128,8 @@ def plain(text: object) -> str:
     return line if len(line) <= MAX_TEXT else f"{line[: MAX_TEXT - 1]}…"
 
 
-_AGE = ".age_s"
+_AGE, _FROM = ".age_s", ".from"
 _OURS = "runtime_version"  # A value that the status of no other node has
-_INACTIVE = "inactive: "
-_CLAIMS = ("guarantee", "threshold", "event", "in_scope")
 
 
 class InputReport(NamedTuple):
@@ -140,6 +138,7 @@ class InputReport(NamedTuple):
     id: str
     state: str  # in a word: ok, waiting, latched, missing, stale or invalid
     age: float | None  # seconds of its oldest message, if there is one and it is known
+    sources: tuple[str, ...] = ()  # topics, each with the claim that is read there, if one is
 
 
 @dataclass(frozen=True)
@@ -151,15 +150,15 @@ class NodeReport:
     model: str  # id of its model
     message: str  # what is wrong, or that all is in order
     inputs: tuple[InputReport, ...] = ()
-    # guarantee, threshold or event that is inactive -> why, in words
-    reasons: Mapping[str, str] = field(default_factory=dict)
     steps: int = 0  # so far
     overruns: int = 0  # steps that were left out so far
     longest_step: float = 0.0  # seconds
 
 
-def reports_of(array: Any, t: float) -> Iterator[NodeReport]:
+def reports_of(array: Any, t: float, prefix: str = "") -> Iterator[NodeReport]:
     """Yield the reports of monitors in a ``diagnostic_msgs/DiagnosticArray``.
+
+    A prefix stands before all names of its graph, where several are watched.
 
     Raises:
         AttributeError, TypeError: it is none.
@@ -168,22 +167,22 @@ def reports_of(array: Any, t: float) -> Iterator[NodeReport]:
         values = {str(value.key): str(value.value) for value in status.values}
         if _OURS not in values:
             continue
+        read = {key: plain(text).split(", ") for key, text in values.items() if key.endswith(_FROM)}
         inputs = [key.removesuffix(_AGE) for key in values if key.endswith(_AGE)]
-        reasons = {}
-        for key, text in values.items():  # `guarantee.ID`, or `in_scope` by itself
-            what, _, id_ = key.partition(".")
-            if text.startswith(_INACTIVE) and what in _CLAIMS:
-                reasons[plain(id_ or what)] = plain(text.removeprefix(_INACTIVE))
         yield NodeReport(
             t,
-            node=plain(status.hardware_id),
+            node=plain(f"{prefix}{status.hardware_id}"),
             model=plain(str(status.name).rpartition(": ")[2]),
             message=plain(status.message),
             inputs=tuple(
-                InputReport(plain(id_), plain(values.get(id_, "")), _number(values[id_ + _AGE]))
+                InputReport(
+                    plain(id_),
+                    plain(values.get(id_, "")),
+                    _number(values[id_ + _AGE]),
+                    tuple(f"{prefix}{source}" for source in read.get(id_ + _FROM, ())),
+                )
                 for id_ in inputs[:MAX_INPUTS]
             ),
-            reasons=reasons,
             steps=int(_number(values.get("steps")) or 0),
             overruns=int(_number(values.get("overruns")) or 0),
             longest_step=(_number(values.get("longest_step_ms")) or 0.0) / 1e3,

@@ -9,21 +9,21 @@ import time
 import zlib
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 from http import HTTPStatus
 from importlib.resources import files
 from typing import Any
 
 from eddi_scaffold.common import local_server
-from eddi_scaffold.common.claims import State
 from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
+from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.watch.fleet import RobotView, Snapshot, VerdictView
 from eddi_scaffold.watch.following import CONTENT_TYPE, Clock, metrics_text
-from eddi_scaffold.watch.messages import MAX_VERDICTS, plain
+from eddi_scaffold.watch.messages import MAX_VERDICTS
+from eddi_scaffold.watch.robot_graph import robot_graph
 
 SHOWN_CHANGES = 50
 # a state is told by its words and a mark, its colour only adds to them
@@ -65,26 +65,24 @@ class View:
         for monitor in robot.monitors:
             for verdict in monitor.verdicts:
                 why, since = ", ".join(verdict.reasons), self.time(verdict.since)
-                if verdict.good != "active" and monitor.report is not None:
-                    why = monitor.report.reasons.get(verdict.id, why)  # with topics and ages
                 why = _sentence(verdict) or ("" if verdict.word == "absent" else why)
                 why = "; ".join(filter(None, (why, verdict.text)))
                 row = (monitor.name, monitor.title, verdict.id, verdict.word, verdict.good, why)
                 rows.append(_row(*row, since if verdict.seen else f"≤ {since}"))
                 counts[verdict.word] += 1
             facts += [f"{monitor.name} accepts {text}" for text in monitor.accepted]
-            if monitor.report is not None:
+            if monitor.report is not None and not monitor.silent:
                 facts.append(f"{monitor.name}: {monitor.report.message}")
         words = [*MARKS, *(word for word in ("absent", "present") if counts[word])]
         summary = ", ".join(f"{counts[word]} {word}" for word in words)
         texts = {"number": number, "name": robot.name, "summary": summary}
-        texts["graph"] = graph_version(robot)
+        texts["graph"] = _version(robot_graph(robot))
         return _filled("robot", texts, rows="".join(rows), facts=_items(facts))
 
 
 def _sentence(verdict: VerdictView) -> str:
     """Return why it does not hold, as its monitor tells it; empty where it does not."""
-    return plain(verdict.why.sentence) if verdict.why is not None and verdict.why.causes else ""
+    return verdict.why.sentence if verdict.why is not None and verdict.why.causes else ""
 
 
 @lru_cache(MAX_VERDICTS)
@@ -108,75 +106,9 @@ def static(name: str) -> bytes:
     return files(__package__).joinpath("static", name).read_bytes()
 
 
-def graph_version(robot: RobotView) -> int:
-    """Return another number when the graph of a robot is another one."""
-    verdicts = [
-        (monitor.name, monitor.silent, verdict.id, verdict.word, verdict.reasons, _chain(verdict))
-        for monitor in robot.monitors
-        for verdict in monitor.verdicts
-    ]
-    return zlib.crc32(repr((robot.name, verdicts)).encode())
-
-
-Pictures = Mapping[tuple[str, str], Diagram]  # title of the kind, name of the model -> its picture
-TONES: dict[State, Tone] = {"active": "output", "not active": "refused", "unknown": "warning"}
-_LEGEND = (
-    LegendEntry("monitor", "box", "neutral"),
-    *(LegendEntry(state, "rounded", tone) for state, tone in TONES.items()),
-    LegendEntry("what it lacks", "ellipse", "refused"),
-)
-
-
-def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
-    """Return the SVG of a robot's verdicts; of models not known here, what monitors say."""
-    nodes, edges = [], []
-    for number, monitor in enumerate(robot.monitors):
-        key, states = f"m{number}", {verdict.id: verdict for verdict in monitor.verdicts}
-        lines = (monitor.name, "silent" if monitor.silent else monitor.title)
-        nodes.append(DiagramNode(key, lines, "box", "neutral"))
-        edges += [DiagramEdge(f"{key} {id_}", key, arrow=False) for id_ in states]
-        lacking: dict[str, list[str]] = {}  # what is lacked -> the verdicts that lack it
-        for verdict in monitor.verdicts if not monitor.silent else ():
-            for reason in verdict.reasons:
-                lacking.setdefault(reason, []).append(verdict.id)
-        picture = pictures.get((monitor.title, monitor.name))
-        if picture is None or not states.keys() <= {node.id for node in picture.nodes}:
-            picture = _picture(states, lacking)  # no model, or one of another version
-        for node in picture.nodes:
-            head, *rest = node.lines
-            node_here = replace(node, id=f"{key} {node.id}")
-            if node.id in states:
-                verdict = states[node.id]
-                below = (head, verdict.word, *rest, *_chain(verdict))
-                tooltip = _sentence(verdict) or node.tooltip
-                tone = TONES[verdict.good]
-                node_here = replace(node_here, lines=below, tone=tone, tooltip=tooltip)
-            elif node.id in lacking:
-                node_here = replace(node_here, lines=(head, "lacks", *rest), tone="refused")
-            nodes.append(node_here)
-        for edge in picture.edges:
-            edges.append(
-                replace(edge, source=f"{key} {edge.source}", target=f"{key} {edge.target}")
-            )
-    text = "below a monitor its guarantees, below these what they rest on, or lack"
-    return drawn(Diagram(robot.name, tuple(nodes), tuple(edges), "up", _LEGEND, text))
-
-
-def _chain(verdict: VerdictView) -> tuple[str, ...]:
-    """Return the links to its first reason: what of it stays while it lasts."""
-    causes = verdict.why.causes[:1] if verdict.why is not None else ()
-    return tuple(plain(f"<- {cause.path[-1]}") for cause in causes if cause.path)
-
-
-def _picture(verdicts: Iterable[str], lacking: Mapping[str, Sequence[str]]) -> Diagram:
-    """Return what a monitor says as the picture of a model."""
-    nodes = [DiagramNode(id_, (id_,), "rounded") for id_ in verdicts]
-    edges = []
-    for reason, users in lacking.items():
-        lacks = f"lacks {reason}"  # which may be called like a verdict
-        nodes.append(DiagramNode(lacks, (reason, "lacks"), "ellipse", "refused"))
-        edges += [DiagramEdge(lacks, user) for user in users]
-    return Diagram("", tuple(nodes), tuple(edges))
+def _version(graph: Diagram) -> int:
+    """Return another number for another graph, so that a browser asks for it anew."""
+    return zlib.crc32(repr(graph).encode())
 
 
 STREAMS = 16  # at once; the other connections are for pages
@@ -223,7 +155,6 @@ class Feed:
 def open_server(
     port: int,
     feed: Feed,
-    models: Pictures | None = None,
     *,
     seconds: float = 20.0,
     connections: int = 32,
@@ -236,7 +167,7 @@ def open_server(
     Raises:
         EddiError: the port is taken (E024).
     """
-    parts: dict[str, Any] = {"feed": feed, "models": models or {}, "pictures": {}}
+    parts: dict[str, Any] = {"feed": feed, "pictures": {}}
     parts["streams"] = threading.Semaphore(min(STREAMS, connections // 2))
     parts["seconds"] = seconds
     return local_server.open_server(port, _Handler, parts, connections=connections)
@@ -245,7 +176,6 @@ def open_server(
 class _Handler(Handler):
     feed: Feed
     streams: threading.Semaphore
-    models: Pictures
     pictures: dict[int, bytes]
     policy = _POLICY
 
@@ -270,12 +200,12 @@ class _Handler(Handler):
     def _graph(self, view: View, number: int) -> None:
         if number >= len(view.snapshot.robots):
             raise Refused(HTTPStatus.NOT_FOUND, "there is no such robot")
-        robot = view.snapshot.robots[number]
-        version = graph_version(robot)
+        graph = robot_graph(view.snapshot.robots[number])
+        version = _version(graph)
         if version not in self.pictures:
             if len(self.pictures) >= _PICTURES:
                 self.pictures.clear()
-            self.pictures[version] = verdict_graph(robot, self.models).encode()
+            self.pictures[version] = drawn(graph).encode()
         more = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'"}
         self.send(HTTPStatus.OK, "image/svg+xml", self.pictures[version], more)
 

@@ -29,14 +29,18 @@ class BoundModel(NamedTuple):
         return self.model.compile(self.declaration)
 
     def text(self, **more: Any) -> str:
-        compiled, inputs = self.compiled(**more), self.declaration.inputs
-        compiled = replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
+        return self._text(self.compiled(**more))
+
+    def _text(self, compiled: CompiledMonitor) -> str:
+        lines = [*expression_lines(self.declaration.inputs), *compiled.lines]
         origin = f" of {comment(self.model.source.file_name)}"
+        compiled = replace(compiled, lines=lines)
         return module_text(self.model.kind, compiled, self.declaration.model_id, origin)
 
     def module(self, **more: Any) -> ModuleType:
-        tables = self.compiled(**more).tables
-        return module_of(self.text(**more), self.declaration.model_id, tables.__getitem__)
+        compiled = self.compiled(**more)
+        id_, tables = self.declaration.model_id, compiled.tables
+        return module_of(self._text(compiled), id_, tables.__getitem__)
 
     def monitor(self, **more: Any) -> Any:
         return self.module(**more).Monitor()

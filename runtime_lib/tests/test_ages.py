@@ -240,7 +240,7 @@ def test_a_guarantee_goes_with_its_evidence():
     told.processing({"bumper": True}, 0)
     assert made.execute_step(told, at(0.5)) == [{"id": "Drive", "active": True}]
     assert made.execute_step(told, at(6)) == [{"id": "Drive", "active": False}]
-    assert made.reasons()["clear"].text == "the last message is 6 s old, the limit is 0.5 s"
+    assert made.why()["Drive"].sentence == "Drive <- clear: nothing for 6.0 s, limit 0.5 s"
 
 
 def test_the_sample_of_an_event_is_as_old_as_its_message(told):

@@ -53,6 +53,7 @@ def only(listener: Peers, now: float) -> peers.Found:
 def test_a_word_counts_once_it_is_an_answer_and_until_its_lease_ends():
     listener, speaker = cart(), arm()
     assert "no word of arm on any other robot was heard" in only(listener, 0.0).word.unfit
+    assert only(cart(PARKED._replace(robots=("arm1",))), 0.0).word.robot == "arm1"
     listener.hear(message(speaker.word(grants(), 0.0)), 0.0)
     assert only(listener, 0.0).word.unfit == "arm1 is heard, but has not answered this robot yet"
     answered(listener, speaker, 10.0)

@@ -169,21 +169,6 @@ def nearest(one, place):
     return min([(-min([values[k] for k in g]), len(g)) for g in groups], default=(-TRUE, 0))
 
 
-@given(cases())
-def test_blocked_inputs_are_unknown_and_their_outputs_inactive(case):
-    graph, state = case
-    one = made(graph)
-    found = step(one, state)
-    missing = {e.guarantee: {leaf for g in e.missing for leaf in g} for e in one.explain()}
-    for name, guarantees in one.blocked().items():
-        assert state[name] == "U"
-        assert not set(guarantees) & set(found)
-    for guarantee, leaves in missing.items():
-        for leaf in leaves:
-            if state[leaf] == "U":
-                assert guarantee in one.blocked()[leaf]
-
-
 SAMPLES = st.lists(st.sampled_from("FUT"), max_size=30)
 
 
@@ -273,7 +258,6 @@ def test_no_input_raises_or_activates_without_support(values):
     given_g = bool(true & {"a", "b"} and {"c", "n"} <= true) or "d" in true
     assert active(rows) == ["G"] * given_g + ["H"] * (given_g and "a" in true)
     one.explain()
-    one.blocked()
     assert [name for name, *_ in one._whys()] == ["G", "H"]
     assert set(one.faults()) <= set(values)
     one.message(rows)

@@ -146,21 +146,21 @@ def test_reasons_name_value_and_range():
     def text(dimension, value, **spec):
         monitor = one_leaf(dimension, **spec)
         monitor.execute_step(give(x=value))
-        reason = monitor.reasons()["x"]
-        return f"{reason.kind}: {reason.text}"
+        ((cause,),) = (why.causes for why in monitor.why().values())
+        return f"{cause.state}: {cause.said}"
 
-    assert text(binary(), False) == "false: the value is False"
-    assert text(binary(), None) == "missing: no value"
-    assert text(binary(), "no") == "fault: expected True or False, got 'no'"
-    assert text(numeric("[0, 5)"), 7.5) == "false: the value 7.5 is not in [0, 5) m"
+    assert text(binary(), False) == "false: false for 0.0 s"
+    assert text(binary(), None) == "invalid: no value"
+    assert text(binary(), "no") == "invalid: expected True or False, got 'no'"
+    assert text(numeric("[0, 5)"), 7.5) == "false: 7.5 m for 0.0 s, needs 0 ..< 5 m"
     ranges = numeric("[0, 1]", "[2, inf)", uom=None)
-    assert text(ranges, 1.5) == "false: the value 1.5 is not in [0, 1] or [2, inf)"
-    assert text(numeric("[0, 1]"), float("nan")) == "nan: the value is NaN"
+    assert text(ranges, 1.5) == "false: 1.5 for 0.0 s, needs 0 .. 1 or at least 2"
+    assert text(numeric("[0, 1]"), float("nan")) == "invalid: NaN"
     hidden = text(numeric("[0, 1]"), Hostile())
-    assert hidden == "fault: expected a number, got an object of type Hostile"
-    assert text(categorical("a", "b"), "c") == "false: the value 'c' is not in {a, b}"
+    assert hidden == "invalid: expected a number, got an object of type Hostile"
+    assert text(categorical("a", "b"), "c") == "false: c for 0.0 s, needs a or b"
     km = text(numeric("[0, 5]"), 1, factor=[1000, 1])
-    assert km == "false: the value 1 is not in [0, 0.005], which is [0, 5] m"
+    assert km == "false: 1000 m for 0.0 s, needs 0 .. 5 m"
     degrees = text(numeric("[0, 5]"), 300, factor=[10133099161583616, 580583098310656000])
-    assert degrees == "false: the value 300 is not in [0, 286.478544], which is [0, 5] m"
-    assert text(numeric("[0, 5]"), 10**400).startswith("false: the value a whole number of 1329 b")
+    assert degrees == "false: 5.24 m for 0.0 s, needs 0 .. 5 m"
+    assert text(numeric("[0, 5]"), 10**400).startswith("false: a number that is too large")

@@ -57,6 +57,15 @@ def test_causes_of_another_monitor_count_while_they_are_fresh_and_of_the_same_ve
     assert why.told(known, "Clear", 0.0, why.UNKNOWN)
 
 
+def test_who_waits_no_longer_than_it_may_has_never_heard_anything():
+    text = f"{why.TEXTS['waiting']} (nobody publishes it)"
+    cause = Cause(("scan", "/scan"), "waiting", text, "/scan", since=1.5, limit=2.0)
+    assert cause.later(0.4).said == "no message yet, 1.9 s of 2 s to wait (nobody publishes it)"
+    over = cause.later(0.6)
+    assert over.state == "never"
+    assert over.said == "no message yet, 2.1 s after the start (nobody publishes it)"
+
+
 def test_the_classes_of_another_runtime_are_read_by_their_fields():
     there = why.claim_why("m", "Clear", 0, [Cause(("x",), "false", "b", "/t", detail="c")])
     (cause,) = there.causes

@@ -10,7 +10,7 @@ from eddi_runtime.why import FALSE, UNKNOWN, Cause, ClaimWhy
 
 from runtime_lib.tests.bayesian_network import test_claims as networks
 from runtime_lib.tests.bayesian_network.networks import node, threshold
-from runtime_lib.tests.conserts import binary, categorical, give, monitor, numeric
+from runtime_lib.tests.conserts import binary, categorical, give, monitor, numeric, one_leaf
 from runtime_lib.tests.event import event_models
 from runtime_lib.tests.reliability import test_reliability_monitor as reliability
 from runtime_lib.tests.reliability.reliability_models import chain
@@ -87,6 +87,18 @@ def test_words_of_robots():
     assert told(spec=spec, words={"a": other}) == ["b/G: b has another model"]
     known = {"steps": ((0, {"a": give(id="G", active=False)}),), "words": {"a": Word("b")}}
     assert told(spec=spec, **known) == ["b/G: unknown there, its monitor tells no reason"]
+
+
+def test_what_began_by_a_clock_that_went_back_is_as_old_as_that():
+    one = one_leaf(binary(), requires=("a",))
+    given = EDDIInputBase(one.inputs)
+    for second in (9, 10, 3, 5):
+        given.begin_step({}, t_ns=second * SECOND)
+        given.update("x", lambda _: setattr(given, "x", False), {"a": 1}, ("a",))
+        one.execute_step(given, second * SECOND)
+    assert sentences(one)["G"] == "G <- x: false for 2.0 s"
+    one.execute_step(give(x=False), 6 * SECOND)
+    assert sentences(one)["G"] == "G <- x: false for an unknown time"
 
 
 def test_states_that_only_expressions_have():

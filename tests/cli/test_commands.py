@@ -26,7 +26,6 @@ COMMANDS = [
     *("adopt", "answers"),
 ]
 MODEL = "two_conserts.xml"
-CONFIG = "consert_a_config.yml"
 PLAIN = ("generate", "--platform", "plain", "-o", "out", "-m", MODEL, "--name", "ConSertB")
 
 

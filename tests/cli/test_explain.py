@@ -22,3 +22,9 @@ def test_a_text_that_is_like_no_code(tmp_path: Path) -> None:
     result = run("explain", "surplus brace", cwd=tmp_path)
     assert (result.status, result.out) == (2, "")
     assert "there is no code 'surplus brace' [G008]\n  hint: a code is like K007" in result.err
+
+
+def test_a_robot_that_runs_is_not_played(tmp_path: Path) -> None:
+    result = run("explain", "Fast", "--domain", 3, "--bag", "x.bag", cwd=tmp_path)
+    assert result.status == 2
+    assert "--domain and --bag exclude each other [G000]" in result.err

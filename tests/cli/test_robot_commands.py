@@ -11,7 +11,6 @@ import pytest
 from tests.cli.command import ROOT, edit, run
 
 SYSTEM, NODES, CONFIG, MODEL = "rover.rossystem", "nodes", "eddi_config.yml", "Rover.yml"
-LASER = "nodes/laser_driver.ros1"
 
 
 @pytest.fixture

@@ -18,7 +18,6 @@ from tests.conditions.formulas import DECLARATIONS, INPUTS, PERIOD, RATE, Formul
 from tests.conditions.reference import NearTie, Reference
 
 BATCH, STEPS = 50, 80
-NAMES = {True: "T", False: "F", None: "U"}
 IN_NUMBERS = {True: 2, False: 0, None: 1}
 
 

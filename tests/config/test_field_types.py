@@ -23,10 +23,6 @@ def taken(text: str) -> tuple[str, str | None]:
     return expression("m", result.path), result.type
 
 
-POWER = "by_key(by_key(m.status, 'name', '/Power: b').values, 'key', 'V').value"
-NODE = "by_key(by_key(m.output_nodes, 'title', 'A').outcomes, 'outcome_name', 'B').outcome_value"
-
-
 @tabled
 def test_the_key_is_the_field_that_names_the_element(text: str, code: str, of: str | None) -> None:
     assert taken(text) == (code, of)

@@ -1,6 +1,7 @@
 """``watch`` on a ROS 2 graph: real nodes over DDS, on loopback."""
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -23,8 +24,7 @@ from eddi_scaffold.watch.fleet import FleetState
 from tests.cli.command import ROOT, run
 from tests.contract.stages import DdsStage, environment, free_domain
 from tests.diagnosed import assert_reported
-
-BOOL = "std_msgs/Bool"
+from tests.ros1.world import until
 
 
 @pytest.fixture(scope="module")
@@ -91,6 +91,24 @@ def test_a_node_is_found_lost_and_found_again(stage):
     watching.wait(robot="/robot2", monitor="rover")
     elsewhere.end()
     assert watching.end() == 130
+
+
+def test_a_claim_is_explained_once(stage, tmp_path, monkeypatch):
+    monkeypatch.setenv("CYCLONEDDS_URI", environment(stage.domain)["CYCLONEDDS_URI"])
+    node = stage.start("/robot3")
+    ask = lambda claim: run("explain", claim, "--domain", stage.domain, cwd=tmp_path)  # noqa: E731
+    done = ask("Slow")
+    first, second = done.out.splitlines()
+    chain = "Healthy <- /robot3/in/healthy: no message yet, "
+    assert (done.status, first.startswith(f"robot3/rover: Slow <- {chain}")) == (1, True), done
+    assert re.match(rf"  since \d\d:\d\d:\d\d\.\d\d\d  {chain}", second)
+    stage.feed(stage.new_probe(), "/robot3/in/healthy", "std_msgs/Bool", True)
+    done = until(lambda: of if not (of := ask("robot3/rover.Slow")).status else None)
+    assert done.out == "robot3/rover: Slow holds\n"
+    done = ask("Slowly")
+    assert (done.status, "nobody tells of a claim 'Slowly'" in done.err) == (2, True)
+    assert "did you mean 'Slow'?" in done.err
+    node.end()
 
 
 def test_without_the_wheel_it_says_what_to_install(tmp_path, monkeypatch):

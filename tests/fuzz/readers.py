@@ -262,6 +262,11 @@ def _shorten(path: Path, lines: int) -> None:
     path.write_bytes(b"\n".join(path.read_bytes().split(b"\n")[:lines]))
 
 
+def _of_eddi_editor() -> list[Sample]:
+    folder = ORACLES / "state_machines"
+    return [Sample(name, (folder / name).read_bytes()) for name in ("pumps.id.xml", "duo.json")]
+
+
 def _reliability() -> list[Sample]:
     cases = Cases(ROOT / "tests/kinds/reliability/diagnostics.txt").inputs.values()
     return [Sample("case.yml", text.encode()) for text in cases]
@@ -510,6 +515,7 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     "EDDI with maps": _models(
         *(f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards", "scope"))
     ),
+    "EDDI-Editor": _models(more=_of_eddi_editor),
     "EDDI written": _written,
     "ConSert YAML": _models(
         "robot-models/Rover.yml", "rover-events/Rover.yml", "motor-watch/drive.yml"

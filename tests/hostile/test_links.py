@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.packages.transaction import FileState, write
+from eddi_scaffold.packages.transaction import write
 from eddi_scaffold.regions.__main__ import main as regions_tool
 from tests.cli.command import Result, example, run
 from tests.diagnosed import assert_reported
@@ -206,7 +206,7 @@ def test_an_output_is_not_written_behind_a_link(tmp_path: Path, outside: Path) -
     said = {"link/b": "a link is in the way", "pipe": "a FIFO is in", "null": "a device is in"}
     for name, reason in said.items():
         with pytest.raises(EddiError, match=reason) as refused:
-            write(root, {"a": FileState(b"a"), name: FileState(b"b")})
+            write(root, {"a": b"a", name: b"b"})
         assert refused.value.problems[0].code == "F002"
     assert sorted(path.name for path in root.iterdir()) == ["link", "null", "pipe"]
     assert list(outside.iterdir()) == []

@@ -105,7 +105,6 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
     assert_reported("K015", problems)
 
 
-OTHER = "they are not of one dimension"
 UNITS = data_text("monitors/units.yml")
 
 

@@ -141,9 +141,6 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
     assert again.as_data() == monitor.config.as_data()
 
 
-HOT = "EVENT hot (HAZARD) := "
-
-
 @tabled
 def test_what_is_wrong_with_a_file_and_where(keys, text, where, words, tmp_path):
     monitor, problems = from_file(tmp_path, "".join(f"\n    {key}" for key in keys), text)

@@ -8,26 +8,27 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.packages.transaction import FileState, write
+from eddi_scaffold.packages.transaction import write
 from eddi_scaffold.regions import package as writing
 from tests.cli.command import files_below
 
-OLD = {"a": FileState(b"old a"), "d/b": FileState(b"old b", mode=0o755)}
-CHANGES = {"a": FileState(b"new a", mode=0o755), "e/f/c": FileState(b"new c")}
+OLD = {"a": b"old a", "d/b": b"old b"}
+CHANGES = {"a": b"new a", "e/f/c": b"new c"}
 BEFORE = {"a": b"old a"}
 
 
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
-    write(tmp_path / "root", OLD)
+    write(tmp_path / "root", OLD, programs={"d/b"})
     return tmp_path / "root"
 
 
 def test_files_are_written_and_replaced(root: Path) -> None:
+    (root / "a").chmod(0o640)
     write(root, CHANGES, BEFORE)
     assert files_below(root) == {"a": b"new a", "d/b": b"old b", "e/f/c": b"new c"}
     modes = {name: (root / name).stat().st_mode & 0o777 for name in files_below(root)}
-    assert modes == {"a": 0o755, "d/b": 0o755, "e/f/c": 0o644}
+    assert modes == {"a": 0o640, "d/b": 0o755, "e/f/c": 0o644}
 
 
 def test_a_full_disk_leaves_all_as_it_was(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -51,7 +52,7 @@ def test_what_stands_in_the_way_is_found_before_anything_changes(root: Path, blo
         (root / "e").write_text("a file")
     before = files_below(root)
     with pytest.raises(EddiError):
-        write(root, {**CHANGES, **({} if blocked == "e" else {blocked: FileState(b"x")})}, BEFORE)
+        write(root, {**CHANGES, **({} if blocked == "e" else {blocked: b"x"})}, BEFORE)
     assert files_below(root) == before
 
 
@@ -60,7 +61,7 @@ def test_a_folder_without_permission_is_found_before_anything_changes(root: Path
     (root / "d").chmod(0o555)
     try:
         with pytest.raises(EddiError):
-            write(root, {"a": FileState(b"new"), "d/b": FileState(b"new")}, BEFORE)
+            write(root, {"a": b"new", "d/b": b"new"}, BEFORE)
         assert (root / "a").read_bytes() == b"old a"
     finally:
         (root / "d").chmod(0o755)

@@ -56,7 +56,6 @@ def replay(package, folder):
             monitor.series(output),
             [row.as_json() for row in monitor.why().values()],
             sorted(monitor.faults().items()),
-            sorted(monitor.blocked().items()),
         ]
 
 

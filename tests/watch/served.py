@@ -4,13 +4,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
 
-from eddi_scaffold.cli.watch import pictures_of
 from eddi_scaffold.watch.fleet import FleetState
 from eddi_scaffold.watch.following import seconds
 from eddi_scaffold.watch.messages import DIAGNOSTICS, DIAGNOSTICS_TOPIC, Message
 from eddi_scaffold.watch.page import Feed, View, open_server
 from tests.pages import served
-from tests.watch.recorded import ROBOT, warehouse
+from tests.watch.recorded import warehouse
 
 
 class Fleet:
@@ -52,8 +51,7 @@ def diagnostics(t: float, node: str, **values: str) -> Message:
 
 @contextmanager
 def serving(fleet: Fleet, *, seconds: float = 20.0, connections: int = 32) -> Iterator[int]:
-    models = pictures_of([ROBOT / "warehouse.yml"])
     limits = {"seconds": seconds, "connections": connections}
-    with served(open_server(0, fleet.feed, models, **limits)) as port:
+    with served(open_server(0, fleet.feed, **limits)) as port:
         yield port
         fleet.feed.close()

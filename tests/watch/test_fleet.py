@@ -1,5 +1,6 @@
 """What is known of a fleet, from the messages of its monitors."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +13,7 @@ from eddi_scaffold.kinds import WHY
 from eddi_scaffold.watch import fleet, messages
 from eddi_scaffold.watch.fleet import Change, FleetState, MonitorView
 from eddi_scaffold.watch.messages import Message, requested_robots, status_messages
+from tests.watch.served import diagnostics
 
 CONSERT = "eddi_messages/ConSertStatus"
 FALSE, UNKNOWN, TRUE = 0, 1, 2
@@ -78,6 +80,24 @@ def test_the_sentence_of_a_claim_comes_after_its_change_and_grows_older() -> Non
     assert a.why.causes == ()  # too old
     state.look(9.0)
     assert only(state, 9.0).verdicts[0].why is None  # it is silent: something else is wrong
+
+
+def test_a_long_sentence_is_whole() -> None:
+    state = FleetState()
+    state.take(message(1.0, status(A=UNKNOWN)))
+    (change,) = state.take(told(1.1, "A", UNKNOWN, *["x" * 80] * 4))
+    assert change.reasons[0].endswith("x: nothing for 1.0 s, limit 0.5 s")
+
+
+def test_the_names_of_several_graphs_are_told_apart_in_reports_as_well() -> None:
+    state = FleetState()
+    state.take(message(1.0, status(A=TRUE), "/domain7/r1", node="/domain7/r1/cart"))
+    values = {"x": "ok", "x__age_s": "0.1", "x__from": "/scan, /lidar/events Clear"}
+    report = diagnostics(1.0, "/r1/cart", **values)
+    state.take(replace(report, topic=f"/domain7{report.topic}"))
+    found = only(state).report
+    assert found is not None
+    assert found.inputs[0].sources == ("/domain7/scan", "/domain7/lidar/events Clear")
 
 
 @pytest.mark.parametrize(

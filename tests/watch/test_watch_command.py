@@ -14,7 +14,7 @@ import pytest
 from tests.cli.command import ROOT, run
 from tests.diagnosed import assert_reported
 from tests.pages import ask
-from tests.watch.recorded import ROBOT, bag_of_two
+from tests.watch.recorded import bag_of_two
 
 pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
 
@@ -64,7 +64,7 @@ def test_json_of_one_robot(bag: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_page_plays_a_recording_to_its_end(bag: Path) -> None:
     env = {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"}
-    words = ["watch", "--bag", str(bag), "--speed", "20", str(ROBOT / "warehouse.yml")]
+    words = ["watch", "--bag", str(bag), "--speed", "20"]
     command = [sys.executable, "-m", "eddi_scaffold", *words]
     with subprocess.Popen(command, env=env, stderr=subprocess.PIPE, text=True) as running:
         assert running.stderr is not None
@@ -81,13 +81,6 @@ def test_the_page_plays_a_recording_to_its_end(bag: Path) -> None:
         assert "/robot2 warehouse StandStill is unknown" in text
         running.send_signal(signal.SIGINT)
         assert running.wait(10) == 130
-
-
-def test_a_model_that_cannot_be_read_is_told_before_anything_is_served(
-    bag: Path, tmp_path: Path
-) -> None:
-    result = run("watch", "--bag", bag, "nothing.xml", cwd=tmp_path)
-    assert (result.status, "nothing.xml" in result.err) == (2, True)
 
 
 def test_without_rospy_it_says_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,12 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.cli.watch import pictures_of
-from eddi_scaffold.diagrams import Diagram, DiagramNode
 from eddi_scaffold.watch.messages import Message
-from eddi_scaffold.watch.page import verdict_graph
 from tests.pages import ask
-from tests.watch.recorded import ROBOT
 from tests.watch.served import Fleet, diagnostics, serving
 
 
@@ -40,7 +36,11 @@ def test_the_page_shows_every_verdict_and_loads_nothing_from_elsewhere() -> None
         picture = ask(port, "/graph/1.svg?5")[2]
         root = ET.fromstring(picture)
         words = [node.text for node in root.iter("{http://www.w3.org/2000/svg}text")]
-        assert {"FullSpeed", "PathClear", "unknown", "/robot2"} <= {*words}
+        assert {"FullSpeed", "PathClear", "unknown", "Robot /robot2"} <= {*words}
+        scan = {"nearest": "stale", "nearest__age_s": "0.9", "nearest__from": "/lidar/nearest"}
+        fleet.take(diagnostics(13.0, "/robot2/lidar", **scan))
+        fleet.show()
+        assert ">/lidar/nearest<" in ask(port, "/graph/1.svg")[2]
         for path in ("/graph/2.svg", "/graph/-1.svg", "/x", "/../server.py", "/graph/99999999.svg"):
             assert ask(port, path)[0] == 404
         assert ask(port, "/", "POST")[0] == 404
@@ -105,41 +105,3 @@ def test_what_a_robot_sends_is_never_markup() -> None:
         connection.request("GET", "/events")
         assert event(connection.getresponse()) == text
         connection.close()
-
-
-def words_of(picture: str) -> list[str]:
-    root = ET.fromstring(picture)
-    return [node.text or "" for node in root.iter("{http://www.w3.org/2000/svg}text")]
-
-
-def test_a_known_model_is_drawn_with_its_states() -> None:
-    fleet = Fleet()
-    fleet.play(13.0)
-    robot = fleet.feed.view.snapshot.robots[0]
-    known = words_of(verdict_graph(robot, pictures_of([ROBOT / "warehouse.yml"])))
-    assert known.count("AND") == 0
-    at = known.index("lacks")
-    assert known[at - 1] == "PathClear"  # evidence of the model
-    assert "AND" not in words_of(verdict_graph(robot, {}))
-    ((title, _),) = pictures_of([ROBOT / "warehouse.yml"])
-    other = Diagram("warehouse", (DiagramNode("FullSpeed", ("FullSpeed",)),))
-    assert "WalkingPace" in words_of(verdict_graph(robot, {(title, "warehouse"): other}))
-
-
-def test_models_may_be_named_by_configurations_and_deployment_files() -> None:
-    assert {name for _, name in pictures_of([ROBOT / "robot.yml"])} >= {"warehouse"}
-    of_two = pictures_of([ROBOT.parent / "two-robots" / "deployment.yml"])
-    assert {name.lower() for _, name in of_two} >= {"arm", "cart"}
-
-
-def test_reasons_are_told_with_topics_where_the_node_reports_them() -> None:
-    fleet = Fleet()
-    fleet.play(13.0)
-    late = "nearest: /scan is late, 0.9 s old, the limit is 0.5 s"
-    values = {"event__PathClear": f"inactive: {late}", "guarantee__StandStill": "inactive: x"}
-    fleet.take(diagnostics(13.0, "/robot1/lidar", **values))
-    fleet.take(diagnostics(13.0, "/robot1/warehouse", **values))
-    fleet.show()
-    shown, _, _ = fleet.feed.view.page.partition('id="r1"')
-    assert f"<td>{late}</td>" in shown
-    assert "<td>x</td>" not in shown  # StandStill is active by now

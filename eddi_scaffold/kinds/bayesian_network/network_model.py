@@ -9,7 +9,7 @@ from pathlib import PurePath
 from typing import Any, ClassVar
 
 from eddi_scaffold import kinds
-from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
+from eddi_scaffold.common.claims import Acceptance, Claim, Element
 from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
@@ -28,27 +28,6 @@ from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 NAME = "bayesian_network"
-_EVIDENCE = "`from: MONITOR.ID`, or `evidence[ID].active` of BayesianNetworkEvidence"
-_VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
-_MEANINGS: Meanings = {
-    "BayesianNetworkOutput": {
-        "output_nodes": Meaning(
-            refused="a raw posterior is not evidence: it is the prior when nothing is known",
-            instead=_EVIDENCE,
-        ),
-    },
-    "BayesianNetworkStatus": {"valid": _VALID},
-    "BayesianNetworkEvidence": {
-        "valid": _VALID,
-        "evidence[].active": Meaning(
-            (False,),
-            refused="`active` of a threshold is false also when it is unknown",
-            instead="the opposite threshold",
-            known=((".reason", ""),),
-        ),
-    },
-}
-"""Message -> field, with all below it -> its meaning."""
 _POLICIES = {"prior": "the prior", "default": "the state of the default", "hold": "the last state"}
 _BEYOND = (
     ("clamp", "out_of_range", "clamp", "the nearest value in range"),
@@ -106,10 +85,6 @@ class NetworkModel(kinds.Model):
         networks, problems = read_networks(document, source)
         models = tuple(cls(of.name, source, of.place, data=of) for of in networks)
         return kinds.ReadResult(models, tuple(in_order(problems)))
-
-    @classmethod
-    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return _MEANINGS
 
     @cached_property
     def settings(self) -> NetworkOptions:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from eddi_scaffold.common import units
-from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings, Use
+from eddi_scaffold.common.claims import Acceptance, Claim, Element, Use
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.graphs import reached
@@ -45,25 +45,6 @@ _LOOKS: dict[str, tuple[Shape, Tone, str]] = {
     "evidence": ("ellipse", "input", "runtime evidence"),
     "demand": ("hexagon", "demand", "demand on another system"),
 }
-_ACTIVE = Meaning(
-    (False,),
-    refused="`active` of a guarantee is false also when it is unknown",
-    instead="`guarantees[ID].verdict == 0` of its ConSertStatus: known to be false",
-)
-
-MEANINGS: Meanings = {
-    "ConSertOutput": {"guarantees[].active": _ACTIVE},
-    "RobotGuarantees": {"guarantees[].active": replace(_ACTIVE, instead=None)},
-    "ConSertStatus": {
-        "guarantees[].verdict": Meaning(
-            (1,),
-            refused="the verdict is 1 when it is unknown",
-            instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
-            known=(0, 2),
-        )
-    },
-}
-"""Message -> field -> its meaning."""
 
 
 @dataclass(frozen=True)
@@ -88,10 +69,6 @@ class ConSertModel(Model):
     ) -> ReadResult:
         conserts, problems = read_eddi.read_eddi(document, source, default_guarantees)
         return _models(conserts, problems, source, ())
-
-    @classmethod
-    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return MEANINGS
 
     def check(self) -> Sequence[Problem]:
         return static_checks(self.data)

@@ -111,9 +111,9 @@ class Reader:
                     hint = "the key 'dimension' is there: use `dimensions: [...]`"
             self.report("C002.no_key", node, hint=hint, subject=what, key=key)
         absent = [key for key in known if key not in present]
-        for index, (name, _) in enumerate(node.entries):
+        for name, _ in node.entries:
             if name.text not in known and name.text not in meant:
-                hint = _comma_hint(node, index) or form.hints.get(name.text)
+                hint = y.hint_for_decimals(name.text) or form.hints.get(name.text)
                 hint = hint or did_you_mean(name.text, absent)
                 self.report(
                     "C002.unknown_key", name, hint=hint, name=y.shown(name.text), subject=what
@@ -131,17 +131,6 @@ class Reader:
             word=y.shown(word.text),
             allowed=", ".join(known),
         )
-
-
-def _comma_hint(node: y.Map, index: int) -> str | None:
-    """Return what to do where a decimal comma has made a key: ``{start: 1,5}``."""
-    name, value = node.entries[index]
-    if index == 0 or not (name.text.isdecimal() and y.is_null(value)):
-        return None
-    key, before = node.entries[index - 1]
-    if not isinstance(before, y.Scalar) or y.as_integer(before) is None:
-        return None
-    return f"a decimal point, not a comma: `{key.text}: {before.text}.{name.text}`"
 
 
 def text_of(reader: Reader, node: y.Node, what: str, _owner: str) -> str | None:

@@ -28,34 +28,6 @@ _CONFIG = re.compile(
 )
 KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 
-_THRESHOLD = "`from: MONITOR.ID` of a threshold, or its `evidence[ID].active`"
-_NUMBER = claims.Meaning(
-    valid_where=(claims.ValidityField("ReliabilityOutput", "valid", value=True),),
-    refused="the numbers mean something only where `valid` is true",
-    instead=f"{_THRESHOLD}, or `valid AND ...`",
-    known=(("valid", True),),
-)
-MEANINGS: claims.Meanings = {
-    "ReliabilityOutput": {
-        "valid": claims.Meaning(
-            (False,), refused="`valid` is false when something is unknown", instead=_THRESHOLD
-        ),
-        "evidence[].active": claims.Meaning(
-            (False,),
-            refused="`active` of a threshold is false also when it is unknown",
-            instead="a threshold on the other side",
-            known=(("reason", ""),),
-        ),
-        **dict.fromkeys(("p_fail", "p_fail_high", "reliability", "mttf_hours"), _NUMBER),
-        "p_fail_low": claims.Meaning(
-            refused="`p_fail_low` is what is certain at least, not the worst case",
-            instead=_THRESHOLD,
-            known=(("valid", True),),
-        ),
-    }
-}
-"""Message -> field -> its meaning."""
-
 
 def _recognises(source: Source) -> bool:
     name = source.name.lower()

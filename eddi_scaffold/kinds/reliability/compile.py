@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -9,7 +10,15 @@ from eddi_runtime.reliability.component import Rule
 
 from eddi_scaffold.kinds.reliability import chains, lowering
 from eddi_scaffold.kinds.reliability.decision_diagram import FALSE, TRUE, Diagram
-from eddi_scaffold.kinds.reliability.system import DYNAMIC, MISSION_END, ReliabilitySystem
+from eddi_scaffold.kinds.reliability.system import (
+    DYNAMIC,
+    MISSION_END,
+    Chain,
+    ComponentModel,
+    FaultTree,
+    ReliabilitySystem,
+    input_id,
+)
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import (
@@ -19,6 +28,11 @@ from eddi_scaffold.program.monitor_text import (
     head_lines,
 )
 
+_BOOL = Rule("bool")
+_LEVEL = Rule("float", 0.0, 100.0, slack=0.5)
+_TEMPERATURE = Rule("float", -200.0, sys.float_info.max)
+_LOAD = Rule("float", 0.0, sys.float_info.max)
+_SECONDS = Rule("float", -1e12, 1e12)
 FORMAT = 2
 NODES_WRITTEN_OUT = 4000
 """Nodes of a diagram up to which its sums are written out; a loop is slower, but has no text."""
@@ -32,38 +46,48 @@ MODULES = (
 def compile_system(
     system: ReliabilitySystem,
     declaration: Declaration,
-    lowered: lowering.LoweredSystem | None = None,
     *,
     states: int = chains.STATES_WRITTEN_OUT,
     nodes: int = NODES_WRITTEN_OUT,
 ) -> CompiledMonitor:
-    """Return the compiled monitor of a checked system, or of these models in place of its own.
+    """Return the compiled monitor of a checked system.
 
     Sums are written out up to so many states and nodes; with 0 states no number is of one horizon.
     """
-    lowered = lowered or lowering.lower(system)
     time = chains.Time(system.quantum / 3600.0, system.horizon, moving=system.mission_end)
     lines: list[str] = []
     models = []
-    for place, (name, component) in enumerate(lowered.components.items()):
-        kind = type(component).__name__
-        about = py.comment(f"{kind} {name}: {lowered.places[name]}".rstrip(": "))
-        classes = _Classes(place, about, time, states, nodes)
-        constructor = classes.constructor(component)
-        lines += classes.lines
-        models.append(py.Item(constructor, f"{py.text_literal(name)}: ", above=about))
-    owners = {key: lowered.places[name] for key, name in lowered.owners.items()}
+    known: dict[str, Rule] = {MISSION_END: _SECONDS} if system.mission_end else {}
+    owners: dict[str, str] = {}  # of an input that first reads it
+    uses: dict[str, tuple[str, ...]] = {}  # inputs of a model, and of those that it uses
+    for place, model in enumerate(system.used_models()):
+        kind, path = model.type.title().replace("_", ""), model.place.path or ""
+        about = py.comment(f"{kind} {model.name}: {path}".rstrip(": "))
+        component = _Component(place, model, about, time, states, nodes)
+        models.append(
+            py.Item(component.constructor(), f"{py.text_literal(model.name)}: ", above=about)
+        )
+        lines += component.lines
+        used: list[str] = []
+        for read, rule in component.reads:
+            if rule is None:
+                used += uses[read]
+            else:
+                known.setdefault(read, rule)
+                owners.setdefault(read, path)
+                used.append(read)
+        uses[model.name] = tuple(dict.fromkeys(used))
     lines += head_lines("reliability.Reliability", declaration, owners)
-    inputs = [input_ for input_ in declaration.inputs if input_.id in lowered.rules]
+    inputs = [input_ for input_ in declaration.inputs if input_.id in known]
     rules: dict[str, py.Part] = {}
     for input_ in inputs:
-        rule = lowered.rules[input_.id]
+        rule = known[input_.id]
         usual = Rule(rule.type)._asdict()
         fields = {key: py.literal(v) for key, v in rule._asdict().items() if v != usual[key]}
         rules[input_.id] = py.call("reliability.Rule", [py.text_literal(rule.type)], **fields)
     lines += py.assignment("rules", _map(rules), 4)
     lines.append(f"    top = {py.text_literal(system.top)}")
-    lines += py.assignment("uses", py.literal(lowered.uses[system.top]), 4)
+    lines += py.assignment("uses", py.literal(uses[system.top]), 4)
     lines.append(f"    horizon = {py.number(system.horizon)}  # h")
     lines += [f"    moving = True  # {MISSION_END}"] if system.mission_end else []
     lines.append(f"    quantum_ns = {round(system.quantum * 1e9)}")
@@ -74,7 +98,7 @@ def compile_system(
         lines += py.assignment("thresholds", py.tuple_of(thresholds), 4)
     lines += ["    worst_case = True"] if system.worst_case else []
     lines += ["", "    def _read(self, source):"]
-    lines += _values([(input_, lowered.rules[input_.id]) for input_ in inputs])
+    lines += _values([(input_, known[input_.id]) for input_ in inputs])
     lines += ["", "    def _models(self):"]
     lines += py.returned(py.Group("{", tuple(models), "}"), 8)
     return CompiledMonitor(FORMAT, lines, MODULES)
@@ -118,55 +142,97 @@ def _values(inputs: list[tuple[BoundInput, Rule]]) -> Iterator[str]:
 
 
 @dataclass
-class _Classes:
-    """Writes the classes of a component, numbered by its place, with a comment above."""
+class _Component:
+    """Writes a model: its constructor, and the classes for that, numbered by its place."""
 
     place: int
+    model: ComponentModel
     about: str
     time: chains.Time
     states: int
     nodes: int
-    lines: list[str] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)  # of the classes, with a comment above
+    # ids of inputs with what they may hold, and the models that it uses
+    reads: list[tuple[str, Rule | None]] = field(default_factory=list)
 
-    def constructor(self, component: lowering.Component) -> py.Part:
-        repair: dict[str, py.Part] = {"repair": "True"} if getattr(component, "repair", 0) else {}
-        fields: list[py.Part]
-        match component:
-            case lowering.Markov():
-                seen = {"observe": py.literal(component.observe)} if component.observe else {}
-                chain = self._chain("Chain", component.chain, self.about)
-                return py.call("observed.MarkovChain", [chain], **seen, **repair)
-            case lowering.Propulsion():
-                sets = py.tuple_of(
-                    py.Item(py.literal(failed), behind=str(state))
-                    for state, failed in enumerate(component.sets)
-                )
-                if self.time.moving or not self.states:  # the chain finds what lies ahead
-                    ahead: py.Part = self._chain("Chain", component.chain, self.about)
-                else:
-                    numbers = chains.rows_ahead(component.chain, self.time.horizon)
-                    rows = chains.rows_of_states(component.chain, numbers)
-                    ahead = py.call("rotors.Rows", [rows])
-                fields = [ahead, sets, py.literal(component.inputs)]
-                return py.call("rotors.Propulsion", fields, **repair)
-            case lowering.Battery():
-                level, arcs = py.text_literal(component.level), chains.rows_of_arcs(component.chain)
-                lives = chains.mean_times(component.chain)
-                rows = chains.rows_of_states(component.chain, lives)
+    def constructor(self) -> py.Part:
+        """Return the call that makes the model."""
+        content, values = self.model.content, self.model.values
+        if isinstance(content, FaultTree):
+            return self._tree(lowering.lower_tree(self.model.name, content))
+        if isinstance(content, Chain):
+            return self._markov(content)
+        more: dict[str, py.Part] = {"repair": "True"} if values.get("repair") else {}
+        match self.model.type:
+            case "series":
+                self.reads += [(part, None) for part in self.model.uses]
+                return py.call("units.Series", map(py.text_literal, self.model.uses))
+            case "k_out_of_n":
+                most = 10_000.0 if values["max"] is None else float(values["max"])
+                available = self._input("available", Rule("int", 0.0, most))
+                units = py.literal(values["k"]), py.number(self._number("rate"))
+                return py.call("units.KOutOfN", [*units, py.literal(values["max"]), available])
+            case "propulsion":
+                return py.call("rotors.Propulsion", self._rotors(), **more)
+            case "battery":
+                keys = ("failure_rate", "alpha", "beta", "degradation")
+                chain = chains.battery_chain(*map(self._number, keys))
+                level, arcs = self._input("level", _LEVEL), chains.rows_of_arcs(chain)
+                rows = chains.rows_of_states(chain, chains.mean_times(chain))
                 fields = [level, arcs, rows, py.number(self.time.horizon)]
-                return py.call("battery.Battery", fields, **repair, **_heat(component.heat))
-            case lowering.Processor():
-                load = {} if component.load is None else {"load": py.literal(component.load)}
-                age = {"age": py.number(component.age)} if component.age else {}
-                fields = [py.number(component.mean), py.number(component.shape)]
-                heat = _heat(component.heat)
-                return py.call("processor.Processor", fields, **heat, **load, **age)
-            case lowering.KOutOfN():
-                return py.call("units.KOutOfN", map(py.literal, component))
-            case lowering.Series():
-                return py.call("units.Series", map(py.text_literal, component.parts))
-            case lowering.FaultTree():
-                return self._tree(component)
+                return py.call("battery.Battery", fields, **more, **self._heat())
+        heat = self._heat()
+        load = py.tuple_of([self._input("utilisation", _LOAD), py.literal(values["u_max"])])
+        if self._number("age"):
+            more["age"] = py.number(self._number("age"))
+        fields = [py.number(self._number(key)) for key in ("mttf_ref", "shape")]
+        return py.call("processor.Processor", fields, **heat, load=load, **more)
+
+    def _number(self, key: str) -> float:
+        return float(self.model.values.get(key, 0.0))
+
+    def _input(self, name: str, rule: Rule) -> str:
+        id_ = input_id(self.model.name, name)
+        self.reads.append((id_, rule))
+        return py.text_literal(id_)
+
+    def _heat(self) -> dict[str, py.Part]:
+        """Return how heat ages it, if it does."""
+        if "t_ref" not in self.model.values:
+            return {}
+        keys = ("activation_energy", "t_ref", "t_max")
+        law = py.call("laws.Arrhenius", [py.number(self._number(key)) for key in keys])
+        return {"heat": law, "temperature": self._input("temperature", _TEMPERATURE)}
+
+    def _markov(self, content: Chain) -> py.Part:
+        self.reads += [(seen.input, _BOOL) for seen in content.observe]
+        number = content.states.index
+        observe = tuple((number(seen.state), seen.input, seen.negated) for seen in content.observe)
+        more: dict[str, py.Part] = {"observe": py.literal(observe)} if observe else {}
+        more |= {"repair": "True"} if content.repair else {}
+        chain = self._chain("Chain", lowering.chain_of(content), self.about)
+        return py.call("observed.MarkovChain", [chain], **more)
+
+    def _rotors(self) -> list[py.Part]:
+        values = self.model.values
+        configuration, rates = values["configuration"], values["rates"]
+        motors = sorted(range(len(rates)), key=values["positions"].__getitem__)
+        chain = chains.rotors_chain(configuration, [float(rates[motor]) for motor in motors])
+        if self.time.moving or not self.states:  # the chain finds what lies ahead
+            ahead: py.Part = self._chain("Chain", chain, self.about)
+        else:
+            numbers = chains.rows_ahead(chain, self.time.horizon)
+            ahead = py.call("rotors.Rows", [chains.rows_of_states(chain, numbers)])
+        if values["status"] == "list":
+            status = self._input("status", Rule("bool[]", length=len(motors)))
+            inputs = [py.tuple_of([status, str(motor)]) for motor in motors]
+        else:
+            inputs = [py.tuple_of([self._input(f"motor_{m}", _BOOL), "None"]) for m in motors]
+        sets = py.tuple_of(
+            py.Item(py.literal(tuple(sorted(failed))), behind=str(state))
+            for state, failed in enumerate(chains.survived(configuration))
+        )
+        return [ahead, sets, py.tuple_of(inputs)]
 
     def _chain(self, name: str, chain: chains.Chain, about: str) -> str:
         name = f"{name}{self.place}"
@@ -178,6 +244,8 @@ class _Classes:
     def _tree(self, tree: lowering.FaultTree) -> py.Part:
         orders = []
         for i, event in enumerate(tree.events):
+            self.reads += [(event.model, None)] if event.model else []
+            self.reads += [(event.input, _BOOL)] if event.input else []
             if event.law in DYNAMIC:
                 about = py.comment(f"{event.law} {event.name}: {event.place}".rstrip(": "))
                 chain = chains.order_chain(event.law, event.values, event.age)
@@ -186,14 +254,6 @@ class _Classes:
         lines = tree_lines(name, tree, orders, self.nodes)
         self.lines += [f"# {self.about}", *lines, "", ""]
         return f"{name}()"
-
-
-def _heat(heat: lowering.Heat | None) -> dict[str, py.Part]:
-    if heat is None:
-        return {}
-    numbers = map(py.number, (heat.energy, heat.reference, heat.hottest))
-    law = py.call("laws.Arrhenius", numbers)
-    return {"heat": law, "temperature": py.text_literal(heat.temperature)}
 
 
 def tree_lines(

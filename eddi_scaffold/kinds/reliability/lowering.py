@@ -1,93 +1,18 @@
-"""A system as the runtime evaluates it: what the top uses, with numbers for names."""
+"""Chains and fault trees as the runtime evaluates them: with numbers for names."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
-from eddi_runtime.reliability.component import Rule
-
-from eddi_scaffold.kinds.reliability.chains import Chain, battery_chain, rotors_chain, survived
+from eddi_scaffold.kinds.reliability.chains import Chain
 from eddi_scaffold.kinds.reliability.decision_diagram import NODE_LIMIT, Diagram, build
 from eddi_scaffold.kinds.reliability.fault_tree import Gate, minimal_cut_sets
-from eddi_scaffold.kinds.reliability.system import (
-    DYNAMIC,
-    MISSION_END,
-    ComponentModel,
-    ReliabilitySystem,
-    input_id,
-)
+from eddi_scaffold.kinds.reliability.system import DYNAMIC, input_id
 from eddi_scaffold.kinds.reliability.system import Chain as ChainModel
 from eddi_scaffold.kinds.reliability.system import FaultTree as TreeModel
-
-_BOOL = Rule("bool")
-_LEVEL = Rule("float", 0.0, 100.0, slack=0.5)
-_TEMPERATURE = Rule("float", -200.0, sys.float_info.max)
-_LOAD = Rule("float", 0.0, sys.float_info.max)
-_SECONDS = Rule("float", -1e12, 1e12)
-
-
-class Heat(NamedTuple):
-    """How heat ages something: input, activation energy in eV, reference and hottest in degC."""
-
-    temperature: str
-    energy: float
-    reference: float
-    hottest: float
-
-
-class Markov(NamedTuple):
-    """A chain; ``observe``: (state, input, negated)."""
-
-    chain: Chain
-    observe: tuple[tuple[int, str, bool], ...]
-    repair: bool
-
-
-class Propulsion(NamedTuple):
-    """Rotors; ``sets``: failed motors of each state but the last; ``inputs``: (id, position)."""
-
-    chain: Chain
-    sets: tuple[tuple[int, ...], ...]
-    inputs: tuple[tuple[str, int | None], ...]
-    repair: bool
-
-
-class Battery(NamedTuple):
-    """A battery and the chain that its charge is."""
-
-    chain: Chain
-    level: str
-    heat: Heat | None
-    repair: bool
-
-
-class Processor(NamedTuple):
-    """A processor; ``load``: (input, its limit), None for always one."""
-
-    mean: float
-    shape: float
-    heat: Heat
-    load: tuple[str, float] | None
-    age: float
-
-
-class KOutOfN(NamedTuple):
-    """Equal units."""
-
-    k: int
-    rate: float
-    largest: int | None
-    available: str
-
-
-class Series(NamedTuple):
-    """Models in series."""
-
-    parts: tuple[str, ...]
 
 
 class Event(NamedTuple):
@@ -153,105 +78,6 @@ class FaultTree:
 
 _cut_sets = lru_cache(maxsize=8)(minimal_cut_sets)
 _diagram = lru_cache(maxsize=8)(build)
-Component = Markov | Propulsion | Battery | Processor | KOutOfN | Series | FaultTree
-
-
-class LoweredSystem(NamedTuple):
-    """What the top of a system uses."""
-
-    components: Mapping[str, Component]  # by name; each behind those that it uses
-    # name -> fragment path of the element in the EDDI, empty where it came from none
-    places: Mapping[str, str]
-    rules: dict[str, Rule]  # input id -> what it may hold
-    owners: dict[str, str]  # input id -> the first model that reads it
-    # model -> inputs on which it depends, with those of the models that it uses
-    uses: dict[str, tuple[str, ...]]
-
-
-def lower(system: ReliabilitySystem) -> LoweredSystem:
-    """Return what the runtime evaluates of a checked system."""
-    models = system.used_models()
-    places = {model.name: model.place.path or "" for model in models}
-    components = {model.name: _lowered(model) for model in models}
-    return connected(components, places, mission_end=system.mission_end)
-
-
-def connected(
-    components: Mapping[str, Component], places: Mapping[str, str], *, mission_end: bool
-) -> LoweredSystem:
-    """Return models, each behind those that it uses, with the inputs that they read."""
-    system = LoweredSystem(components, places, {}, {}, {})
-    for name, component in components.items():
-        inputs: list[str] = []
-        for read, rule in _reads(component):
-            if rule is None:
-                inputs += system.uses[read]
-            else:
-                system.rules.setdefault(read, rule)
-                system.owners.setdefault(read, name)
-                inputs.append(read)
-        system.uses[name] = tuple(dict.fromkeys(inputs))
-    if mission_end:
-        system.rules[MISSION_END] = _SECONDS
-    return system
-
-
-def _reads(component: Component) -> list[tuple[str, Rule | None]]:
-    """Return the inputs of a model with what they may hold, and the models that it uses."""
-    match component:
-        case Markov():
-            return [(input_, _BOOL) for _, input_, _ in component.observe]
-        case Propulsion():
-            of_list = Rule("bool[]", length=len(component.inputs))
-            return [(id_, _BOOL if at is None else of_list) for id_, at in component.inputs]
-        case KOutOfN():
-            most = 10_000.0 if component.largest is None else float(component.largest)
-            return [(component.available, Rule("int", 0.0, most))]
-        case Series():
-            return [(part, None) for part in component.parts]
-        case FaultTree():
-            pairs = (((e.model, None), (e.input, _BOOL)) for e in component.events)
-            return [(name, rule) for of in pairs for name, rule in of if name]
-    level = [(component.level, _LEVEL)] if isinstance(component, Battery) else []
-    heat = [(component.heat.temperature, _TEMPERATURE)] if component.heat else []
-    load = None if isinstance(component, Battery) else component.load
-    return [*level, *heat, *([(load[0], _LOAD)] if load else [])]
-
-
-def _lowered(model: ComponentModel) -> Component:
-    values, content = model.values, model.content
-    id_ = partial(input_id, model.name)
-
-    def numbers(*keys: str) -> Iterator[float]:
-        return (float(values.get(key, 0.0)) for key in keys)
-
-    if isinstance(content, TreeModel):
-        return lower_tree(model.name, content)
-    if isinstance(content, ChainModel):
-        number = {state: i for i, state in enumerate(content.states)}
-        observe = tuple((number[seen.state], seen.input, seen.negated) for seen in content.observe)
-        return Markov(chain_of(content), observe, content.repair)
-    if model.type == "series":
-        return Series(model.uses)
-    if model.type == "k_out_of_n":
-        return KOutOfN(values["k"], float(values["rate"]), values["max"], id_("available"))
-    if model.type == "propulsion":
-        motors = sorted(range(len(values["rates"])), key=values["positions"].__getitem__)
-        chain = rotors_chain(values["configuration"], [float(values["rates"][m]) for m in motors])
-        status = id_("status") if values["status"] == "list" else None
-        inputs = tuple((status, m) if status else (id_(f"motor_{m}"), None) for m in motors)
-        sets = tuple(tuple(sorted(failed)) for failed in survived(values["configuration"]))
-        return Propulsion(chain, sets, inputs, values["repair"])
-    heat = None
-    if "t_ref" in values:
-        heat = Heat(id_("temperature"), *numbers("activation_energy", "t_ref", "t_max"))
-    if model.type == "battery":
-        chain = battery_chain(*numbers("failure_rate", "alpha", "beta", "degradation"))
-        return Battery(chain, id_("level"), heat, values["repair"])
-    assert heat is not None, "a processor has its temperatures"
-    load = id_("utilisation"), values["u_max"]
-    mean, shape, age = numbers("mttf_ref", "shape", "age")
-    return Processor(mean, shape, heat, load, age)
 
 
 def chain_of(chain: ChainModel) -> Chain:

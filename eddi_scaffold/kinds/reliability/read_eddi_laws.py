@@ -78,11 +78,23 @@ class Laws:
             for name, elements in parameters.items()
             if (first := self.findings.first(elements)) is not None
         }
+        repair = {name: texts.get(name, "") for name in ("repair rate", "mttr")}
+        if any(text.strip("0. ") for text in repair.values()):
+            self.findings.report("X014.repair", element, subject=subject)
         match kind.casefold():
             case "fit" | "constant" if "value" in texts:
                 return Law("exponential", (units.rate(texts["value"], "FIT").value,))
             case "fixed" | "constant" if "p" in texts:
                 return Law("fixed", (units.number(texts["p"], 0.0, 1.0),))
+            case "constant" | "mttr" if texts.get("failure rate"):
+                return Law("exponential", (self._number(element, texts["failure rate"], subject),))
+            case "mttf" | "mttfmttr" if texts.get("mttf"):
+                hours = self._number(element, texts["mttf"], subject, of_rate=False)
+                if hours <= 0.0:
+                    raise units.QuantityError(f"the MTTF {texts['mttf']!r} is not above 0")
+                return Law("exponential", (1.0 / hours,))
+            case "fixed" if texts.get("unavailability"):
+                return Law("fixed", (units.number(texts["unavailability"], 0.0, 1.0),))
             case "exponential" if texts.get("lambda"):
                 return Law("exponential", (self._number(element, texts["lambda"], subject),))
             case "weibull" if (scale := texts.get("scale")) and (shape := texts.get("shape")):

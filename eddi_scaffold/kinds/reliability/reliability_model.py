@@ -8,14 +8,14 @@ from functools import partial
 from typing import ClassVar
 
 from eddi_scaffold import kinds
-from eddi_scaffold.common.claims import Claim, Element, Meanings
+from eddi_scaffold.common.claims import Claim, Element
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document, recognises
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.kinds.reliability import KEYS, MEANINGS, show
+from eddi_scaffold.kinds.reliability import KEYS, show
 from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.read_eddi import read_eddi
@@ -70,10 +70,6 @@ class ReliabilityModel(kinds.Model):
     ) -> kinds.ReadResult:
         models = (cls(system.top, source, system.place, data=system) for system in systems)
         return kinds.ReadResult(tuple(models), tuple(problems))
-
-    @classmethod
-    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return MEANINGS
 
     def check(self) -> Sequence[Problem]:
         problems = check_system(self.data)

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from statistics import NormalDist
 from typing import ClassVar
 
-import numpy as np
-from eddi_runtime.safeml.comparison import Comparison
-
-from eddi_scaffold.common.claims import Claim, Element, Meaning, Meanings, ValidityField
+from eddi_scaffold.common.claims import Claim, Element
 from eddi_scaffold.common.escaping import markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
@@ -24,12 +20,10 @@ from eddi_scaffold.kinds.safeml.reference import read_named
 from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, NAME, Plan, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import as_eddi_map, read_settings, settings_of_eddi
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
-from eddi_scaffold.kinds.safeml.thresholds import of_windows
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 DEFAULT_INPUT = "sample"
-_LARGEST_SHIFT = 100.0
 _SHOWN = 8
 _LEGEND = (
     LegendEntry("samples", "rounded", "input"),
@@ -37,32 +31,6 @@ _LEGEND = (
     LegendEntry("verdict", "hexagon", "output"),
 )
 _PERIODS = 10  # Steps without a sample after which a window is too old, unless `max_age` is given
-
-
-_IN_SCOPE, _VERDICT = "`from: MONITOR.in_scope`", (("omission", False),)
-_OMISSION = Meaning(
-    (True,), refused="an omission is also silence", instead=f"NOT of it, or {_IN_SCOPE}"
-)
-_VIOLATION = Meaning(
-    refused="`odd_violation` has no meaning while there is no verdict",
-    instead=f"{_IN_SCOPE}, or `NOT omission` with it",
-    known=_VERDICT,
-)
-MEANINGS: dict[str, dict[str, Meaning]] = {
-    message: {
-        "omission": _OMISSION,
-        "odd_violation": replace(
-            _VIOLATION, valid_where=(ValidityField(message, "omission", value=False),)
-        ),
-    }
-    for message in ("SafeMLOutput", "SafeMLStatus")
-}
-MEANINGS["SafeMLStatus"]["in_scope"] = Meaning(
-    (False,),
-    refused="`in_scope` is false also when there is no verdict",
-    instead="`NOT omission AND odd_violation`: known to be a violation",
-    known=_VERDICT,
-)
 
 
 @dataclass(frozen=True)
@@ -93,10 +61,6 @@ class SafeMLModel(Model):
         files, problems = settings_of_eddi(document, source)
         models = (cls(of.model or "", part, of.place, data=file) for of, part, file in files)
         return ReadResult(tuple(models), tuple(problems))
-
-    @classmethod
-    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return MEANINGS
 
     def check(self) -> Sequence[Problem]:
         return self._planned[1]
@@ -208,12 +172,6 @@ class SafeMLModel(Model):
             *(f"- {markdown_text(fact)}" for fact in _facts(plan)),
             f"- {alarms}",
         ]
-        shift = detectable_shift(plan)
-        if shift is not None:
-            lines.append(
-                f"- in every other window or more it finds a shift of {shift:.2g} standard "
-                "deviations of one tested value (normally distributed)"
-            )
         held = "the last one" if settings.on_omission == "hold" else "false"
         verdict = (
             f"`omission` means that there is no verdict; then `odd_violation` is {held}. Evidence "
@@ -272,28 +230,3 @@ def _facts(plan: Plan) -> Sequence[str]:
 
 def _percent(level: float) -> str:
     return f"{100 * level:.3g} %"
-
-
-def detectable_shift(plan: Plan) -> float | None:
-    """Return the shift at which a typical window reaches the threshold.
-
-    Typical: its values are the quantiles of a normal distribution, as are those of the reference.
-    ``None`` when even the largest shift does not reach it.
-    """
-    normal, m = NormalDist(), plan.settings.window_size
-    reference, window = (
-        np.array([normal.inv_cdf((k + 0.5) / count) for k in range(count)]) for count in (plan.n, m)
-    )
-    comparison = Comparison(plan.settings.metric, reference[None], m)
-
-    def reaches(shift: float) -> bool:
-        statistic = of_windows(comparison, (window + shift)[None, None, :])[0, 0]
-        return bool(statistic >= plan.threshold)
-
-    low, high = 0.0, _LARGEST_SHIFT
-    if not reaches(high):
-        return None
-    while high - low > 1e-3:
-        middle = (low + high) / 2
-        low, high = (low, middle) if reaches(middle) else (middle, high)
-    return high

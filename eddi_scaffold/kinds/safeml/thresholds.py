@@ -12,6 +12,7 @@ import math
 from fractions import Fraction
 from functools import lru_cache
 from itertools import accumulate
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -187,32 +188,10 @@ def smallest_window(metric: Metric, n: int, level: float, most: int = 2000) -> i
     return next((m for m in range(1, most + 1) if can_fire(metric, n, m, level)), None)
 
 
-_LEVELS = (
-    0.5, 0.4, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05, 0.025, 0.02, 0.01, 0.005, 0.0025, 0.002, 0.001,
-    5e-4, 2.5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6,
-)  # fmt: skip
-_QUANTILES = {
-    "cvm": (
-        0.11887955098036672, 0.1466331130361793, 0.18433025139077172, 0.20938760938799683,
-        0.2412384066043792, 0.2840625910315124, 0.34730492019163517, 0.4613612936058819,
-        0.5806146822447926, 0.619809415521877, 0.7434593137557958, 0.8693852268432897,
-        0.9970459542032077, 1.0384488386137856, 1.1678582965703432, 1.2983060681135699,
-        1.4296160391105475, 1.4720487436028435, 1.6042964491227956, 1.7371365516515027,
-        1.9135191366517197, 2.047455671020586, 2.1817739959820033, 2.3598496226332055,
-        2.4949079149484223,
-    ),
-    "ad": (
-        0.7742142410991224, 0.9235137095575493, 1.1200136588814762, 1.247859635008831,
-        1.4081977009875115, 1.6212385370200144, 1.932957833996474, 2.4923671630289164,
-        3.0774641852376057, 3.270007685553069, 3.8781250389868145, 4.498199682314187,
-        5.127278604661291, 5.331365977038512, 5.9694015267538365, 6.612703826849098,
-        7.260356029823329, 7.46965989618021, 8.122023697409494, 8.777355717835619,
-        9.647547541961064, 10.308364326256964, 10.971093856944899, 11.849776536806877,
-        12.516249303078068,
-    ),
-}  # fmt: skip
-"""Upper quantiles of sum Z_j^2 / (j pi)^2 and of sum Z_j^2 / (j (j + 1)), Z_j standard normal."""
-
+_TABLE = Path(__file__).with_name("quantiles.txt").read_text("utf-8").splitlines()[1:]
+_ROWS = [[float(cell) for cell in row.split()] for row in _TABLE]
+_LEVELS = [level for level, *_ in _ROWS]
+_QUANTILES = {metric: [row[k] for row in _ROWS] for k, metric in enumerate(("cvm", "ad"), 1)}
 _SLOPES = {"cvm": 2.0 / math.pi**2, "ad": 1.0}
 """Growth of the quantile per unit of -ln(level) beyond the table, on the safe side."""
 

@@ -13,6 +13,7 @@ from pathlib import Path
 import rospkg
 
 from eddi_scaffold.common.files import read_regular
+from eddi_scaffold.common.toml_tables import read_toml
 from eddi_scaffold.config.field_types import TIMES, Fields, MessageFields, element, fields_of
 from eddi_scaffold.kinds import texts_of_messages
 
@@ -41,32 +42,15 @@ def known_messages() -> MessageFields:
 
 
 _WORDS = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
-_CHANGED: dict[str, Fields] = {
-    "builtin_interfaces/Time": {"sec": "int32", "nanosec": "uint32"},
-    "builtin_interfaces/Duration": {"sec": "int32", "nanosec": "uint32"},
-    "std_msgs/Header": {"stamp": "builtin_interfaces/Time", "frame_id": "string"},
-}
-_LOWER_CASE = ("sensor_msgs/CameraInfo", "stereo_msgs/DisparityImage")
-_OTHER = (
-    "shape_msgs/SolidPrimitive",
-    "visualization_msgs/Marker",
-    "visualization_msgs/MarkerArray",
-)
-"""Not the same in all releases."""
-_GONE = ("rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics", "std_msgs/Duration", "std_msgs/Time")
-_ACTIONS = tuple(
-    f"{package}/{action}"
-    for package in ("nav_msgs", "tf2_msgs")
-    for action in ("GetMap", "LookupTransform")
-)
 
 
 def ros2_messages(known: dict[str, Fields]) -> dict[str, Fields]:
     """Return message types as ROS 2 has them, of those of ROS 1; some it does not have."""
-    messages = dict(_CHANGED)
+    table = read_toml(Path(__file__).with_name("ros2.toml"))
+    messages: dict[str, Fields] = dict(table["changed"])
     for name, fields in known.items():
-        if name not in (*_CHANGED, *_GONE, *_OTHER, *TIMES) and not name.startswith(_ACTIONS):
-            is_lower = name in _LOWER_CASE
+        if name not in (*messages, *TIMES) and not name.startswith(tuple(table["gone"])):
+            is_lower = name in table["lower_case"]
             renamed = {f.lower() if is_lower else f: of for f, of in fields.items()}
             messages[name] = ros2_fields(renamed)
     return messages

@@ -27,7 +27,7 @@ from eddi_scaffold.packages.adopting.wiring import (
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import WriteResult, write_packages
 from eddi_scaffold.packages.rendering import Template
-from eddi_scaffold.packages.transaction import FileState, write
+from eddi_scaffold.packages.transaction import write
 from eddi_scaffold.packages.workspace import packages_root
 from eddi_scaffold.platforms import Platform
 from eddi_scaffold.regions.choosing import Body
@@ -263,10 +263,10 @@ def write_adopted(
     config_name = f"{package}_config.yml"
     model = read_source(adoption.model_file).data
     files = {config_name: adoption.config().encode(), adoption.model_name: model}
-    new: dict[str, FileState] = {}
+    new: dict[str, bytes] = {}
     for name, data in files.items():
         if not os.path.lexists(place / name):
-            new[name] = FileState(data)
+            new[name] = data
         elif read_source(place / name).data != data:
             raise EddiError(problem("G003.file_exists", Place(str(place / name))))
     with tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch:

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from eddi_scaffold.common.problems import EddiError, problem
-from eddi_scaffold.kinds import kinds
+from eddi_scaffold.kinds import COMMON, kinds
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.watch.messages import GATHER_S, Message
 
@@ -50,8 +50,8 @@ class Ros1Graph:
     def _is_started(self, python: str) -> bool:
         texts = {
             f"{MESSAGE_PACKAGE}/{name}": text
-            for kind in kinds().values()
-            for name, text in kind.messages.items()
+            for messages in (*(kind.messages for kind in kinds().values()), COMMON)
+            for name, text in messages.items()
         }
         with contextlib.suppress(OSError):
             self._process = subprocess.Popen(

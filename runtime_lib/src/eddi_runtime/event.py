@@ -208,15 +208,6 @@ class EventMonitor(ConditionMonitor[Rows]):
             found[event.id] = [*of_inputs, *(f"{event.id}: {word}" for word in words)]
         return found
 
-    def blocked(self) -> Mapping[str, tuple[str, ...]]:
-        found = {}
-        undecided = [event for event, value in zip(self.events, self._verdicts) if value == 1]
-        for k, (spec, raw) in enumerate(zip(self.inputs, self.raw)):
-            events = tuple(event.id for event in undecided if k in event.needs)
-            if events and (raw is None or is_nan(raw) or self._fault(k)):
-                found[spec.id] = events
-        return found
-
     def restart(self) -> None:
         self._jumped = getattr(self, "last", None)
         super().restart()

@@ -93,7 +93,7 @@ _NEW = InputState("missing", "no message yet")
 class Word(NamedTuple):
     """Whose word a message is, among robots."""
 
-    robot: str  # its name, empty where none was heard
+    robot: str  # its name, empty where none of several was heard
     unfit: str = ""  # why it does not count, empty when it does
     age: float = NAN  # seconds since it was told
     lease: float = NAN  # seconds for which it counts

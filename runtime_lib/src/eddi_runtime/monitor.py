@@ -204,10 +204,10 @@ class Monitor(Protocol[Output]):
     def _lasting(self, began: float | None) -> float:
         """Return for how many seconds it has been so since a time in nanoseconds."""
         now = step_time(self._at)
-        return 0.0 if now is None or began is None else max(now - began, 0) / 1e9
-
-    def blocked(self) -> Mapping[str, tuple[str, ...]]:
-        """Return input id -> outputs that are not given because it is not known now."""
+        if now is None or began is None:
+            return 0.0
+        # where the clock went back, no longer than since then
+        return (now - began) / 1e9 if now >= began else self._known_for(*self.inputs)
 
     def accepted(self) -> Sequence[str]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""

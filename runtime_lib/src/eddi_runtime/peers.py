@@ -182,7 +182,8 @@ class Peers:
                 found = Found(word, receipt if known else None)
                 candidates.append(((not granted, bool(why), *place), found))
         if not candidates:
-            return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
+            robot = source.robots[0] if len(source.robots) == 1 else ""
+            return Found(Word(robot, f"no word of {source.model} on {_robots(source)} was heard"))
         _, found = min(candidates)
         if not found.word.unfit and found.receipt is not None:  # these stand behind it
             message: Any = found.receipt.message

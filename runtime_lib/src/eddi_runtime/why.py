@@ -87,7 +87,11 @@ class Cause(NamedTuple):
 
     def later(self, passed: float) -> Cause:
         """Return it some seconds later, when nothing has changed."""
-        return self._replace(since=self.since + passed, age=self.age + passed)
+        grown = self._replace(since=self.since + passed, age=self.age + passed)
+        if self.state != "waiting" or grown.since <= self.limit:
+            return grown
+        text = self.text.replace(TEXTS["waiting"], TEXTS["never"])  # a message has details in it
+        return grown._replace(state="never", text=text)
 
     def because(self, state: str, text: str = "", detail: str = "") -> Cause:
         """Return it with another state, its text (empty: that of the state), and more detail."""

@@ -159,10 +159,11 @@ def test_too_many_combinations_are_not_tried():
     assert COMBINATIONS == 1024
 
 
-def test_an_input_that_is_unknown_blocks_what_is_not_active():
+def test_an_input_that_is_unknown_is_named_where_it_decides():
     one = risk(LOW, threshold("Some", at_most=0.06), threshold("Never", at_most=0.01))
     step(one, near="no")
-    assert one.blocked() == {"human": ("Some",)}
+    named = {id_: [cause.path for cause in why.causes] for id_, why in one.why().items()}
+    assert named == {"Low": [], "Some": [("human",)], "Never": [()]}
 
 
 class Made:

@@ -135,7 +135,6 @@ def test_an_event_monitor_reads_the_list():
     (event,) = one.execute_step(given, SECOND)
     assert event["verdict"] is None
     assert one.faults() == {"x": "1 of 2 elements are not known"}
-    assert one.blocked() == {}
 
 
 def test_what_stands_in_lists_of_messages():

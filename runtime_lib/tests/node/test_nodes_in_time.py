@@ -47,6 +47,9 @@ def test_an_input_may_wait_until_the_grace_is_over(robot):
     robot.run(3.0)
     assert node.levels[2:] == [(3.0, OK)]
     assert node.report()[:2] == FINE
+    slow = robot.start("conserta", STARTUP_GRACE=2.0, FREQUENCY=0.25)
+    robot.run(6.0)
+    assert "no message yet, 2.0 s of 2 s to wait" in slow.report().message
 
 
 def test_a_value_that_is_nan_is_not_usable(robot):
@@ -162,6 +165,7 @@ def test_what_is_latched_counts_only_when_its_age_is_known(robot):
     latched = "/consertb/guarantees: latched, its age is not known"
     assert (values["RtE_A_D0"], values["RtE_A_D0.reason"]) == ("stale", latched)
     assert values["RtE_A_D0.age_s"] == ""
+    assert values["RtE_A_D0.from"] == "/consertb/guarantees System_A_G0_c2"
     node.receive(B, node.simulator_values["consertb"], 0.25)  # its header has a time
     robot.run(5.25)
     assert node.values()["RtE_A_D0.age_s"] == "0.375"

@@ -10,8 +10,14 @@ from eddi_runtime.reliability.component import Moment
 from eddi_runtime.reliability.large_chain import propagator
 
 from eddi_scaffold.kinds.reliability import chains
-from eddi_scaffold.kinds.reliability.lowering import Heat
-from runtime_lib.tests.reliability.reliability_models import battery, chain, compiled, monitor
+from runtime_lib.tests.reliability.reliability_models import (
+    battery,
+    but,
+    chain,
+    compiled,
+    heat,
+    monitor,
+)
 from runtime_lib.tests.reliability.test_reliability_monitor import step
 
 QUANTUM = 0.1 / 3600.0
@@ -148,7 +154,7 @@ def test_as_many_observations_as_there_may_be_are_kept():
             assert found.high == pytest.approx(other.look(1, mask)[0], rel=1e-9, abs=0.0)
 
 
-COLD, WARM = battery(1e-3), battery(1e-3, Heat("t", 0.5, 25.0, 60.0))
+COLD, WARM = battery(1e-3), battery(1e-3, **heat(0.5, 25.0, 60.0))
 
 
 def factor(celsius):
@@ -156,15 +162,15 @@ def factor(celsius):
 
 
 def p_fail(part, horizon=1.0, **values):
-    inputs = ["level", "t"] if part.content.heat else ["level"]
-    return step(monitor([part], inputs, horizon=horizon), **values)
+    given = {f"battery_{name}": value for name, value in values.items()}
+    return step(monitor([part], given, horizon=horizon), **given)
 
 
 @pytest.mark.parametrize("level", [90, 60, 30])
 @pytest.mark.parametrize("celsius", [-20.0, 25.0, 45.0, 60.0, 75.0])
 def test_heat_makes_time_pass_faster(level, celsius):
     for horizon in (0.01, 1.0, 100.0):
-        warm = p_fail(WARM.but(heat=Heat("t", 0.5, 25.0, 80.0)), horizon, level=level, t=celsius)
+        warm = p_fail(but(WARM, t_max=80.0), horizon, level=level, temperature=celsius)
         cold = p_fail(COLD, horizon * factor(celsius), level=level)
         assert warm.valid
         assert warm.p_fail == pytest.approx(cold.p_fail, rel=1e-12, abs=0.0)
@@ -173,25 +179,25 @@ def test_heat_makes_time_pass_faster(level, celsius):
 
 
 def test_an_unknown_temperature_counts_as_the_hottest():
-    hottest = p_fail(WARM, level=80, t=60.0)
+    hottest = p_fail(WARM, level=80, temperature=60.0)
     for value in (None, math.nan, math.inf, "hot"):
-        result = p_fail(WARM, level=80, t=value)
+        result = p_fail(WARM, level=80, temperature=value)
         assert not result.valid
-        assert result.unknown == ("t",)
+        assert result.unknown == ("battery_temperature",)
         assert (result.p_fail_low, result.p_fail_high) == (0.0, hottest.p_fail)
-    assert p_fail(WARM, level=20, t=None).p_fail_low == 1.0
-    both = p_fail(WARM, level=None, t=None)
-    assert both.unknown == ("level", "t")
+    assert p_fail(WARM, level=20, temperature=None).p_fail_low == 1.0
+    both = p_fail(WARM, level=None, temperature=None)
+    assert both.unknown == ("battery_level", "battery_temperature")
     assert (both.p_fail_low, both.p_fail_high) == (0.0, 1.0)
-    only_level = p_fail(WARM, level=None, t=60.0)
+    only_level = p_fail(WARM, level=None, temperature=60.0)
     assert 0.0 < only_level.p_fail_low < hottest.p_fail  # a recovering battery
 
 
 def test_no_temperature_stops_a_step():
-    hot = WARM.but(heat=Heat("t", 10.0, -200.0, -200.0))
-    result = p_fail(hot, level=80, t=999.0)
+    hot = but(WARM, **heat(10.0, -200.0, -200.0))
+    result = p_fail(hot, level=80, temperature=999.0)
     assert result.p_fail == 1.0
-    assert p_fail(hot, level=80, t=-200.0).p_fail < 0.01
+    assert p_fail(hot, level=80, temperature=-200.0).p_fail < 0.01
 
 
 def test_any_horizon_agrees_with_the_propagator():

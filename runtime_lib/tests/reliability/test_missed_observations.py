@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from eddi_scaffold.kinds.reliability.fault_tree import Gate
-from eddi_scaffold.kinds.reliability.lowering import Series
-from runtime_lib.tests.reliability.reliability_models import Part, chain, event, monitor, tree
+from runtime_lib.tests.reliability.reliability_models import chain, event, monitor, series, tree
 from runtime_lib.tests.reliability.test_reliability_monitor import step
 from runtime_lib.tests.reliability.test_unknown_inputs import KINDS, LEVELS, PARTS
 
@@ -29,10 +28,13 @@ TOPS = {
     "2 of 3": [
         tree([LAST, event("exponential", 0.1, input="x"), FIXED], [Gate("VOTE", (0, 1, 2), 2)])
     ],
-    "series": [PARTS[0], Part("all", Series(("chain", "battery")))],
+    "series": [PARTS[0], series("chain", "battery")],
 }
 FEW, MANY = "abc", "abcdefghijklm"
-INPUTS = {"2 of 3": {"x": TRUTHS}, "series": {"level": (90.0,), "t": (25.0, 60.0)}}
+INPUTS = {
+    "2 of 3": {"tree_x": TRUTHS},
+    "series": {"battery_level": (90.0,), "battery_temperature": (25.0, 60.0)},
+}
 
 
 def random_chain(chance, names=FEW, idle=0):
@@ -57,14 +59,14 @@ def random_chain(chance, names=FEW, idle=0):
 
 def life(chance, part, ranges, length):
     """Return values of the inputs in each step, mostly such as a life of the chain may give."""
-    of = part.content.chain
-    arcs = [(a, b) for a, b, _ in of.arcs if a not in of.fail]
-    state, told = 0, []
+    of = part.content
+    arcs = [(arc.source, arc.target) for arc in of.arcs if arc.source not in of.fail]
+    state, told = of.initial[0], []
     for _ in range(length):
         values = {name: chance.choice(several) for name, several in ranges.items()}
-        for at, name, negated in part.content.observe:
-            if at == state and chance.random() < 0.95:
-                values[name] = not negated
+        for seen in of.observe:
+            if seen.state == state and chance.random() < 0.95:
+                values[seen.input] = not seen.negated
         told.append(values)
         after = [b for a, b in arcs if a == state]
         state = chance.choice(after) if after and chance.random() < 0.5 else state

@@ -7,24 +7,27 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.kinds.reliability.fault_tree import Gate
-from eddi_scaffold.kinds.reliability.lowering import Heat, KOutOfN, Processor, Series
 from eddi_scaffold.kinds.reliability.trial import look_ahead
 from runtime_lib.tests.reliability.reliability_models import (
     NS,
-    Part,
     battery,
+    but,
     chain,
     compiled,
     event,
+    heat,
     monitor,
+    processor,
     quad,
+    series,
     tree,
+    units,
 )
 
-WORKING = {f"m{i}": True for i in range(4)}
+WORKING = {f"rotors_motor_{i}": True for i in range(4)}
 BATTERY = battery(1e-3)
-PROCESSOR = Part("cpu", Processor(400.0, 2.0, Heat("t", 0.3, 51.0, 90.0), ("u", 2.0), 0.0))
-UNITS = Part("units", KOutOfN(2, 1e-3, 4, "n"))
+PROCESSOR = processor(400.0, 2.0, 2.0, **heat(0.3, 51.0, 90.0))
+UNITS = units(2, 1e-3, 4)
 
 
 def step(one, at=0.0, **values):
@@ -37,21 +40,23 @@ def rotors(**model):
 
 def test_what_failed_does_not_work_again():
     one = rotors()
-    step(one, **{**WORKING, "m2": False})
+    step(one, **{**WORKING, "rotors_motor_2": False})
     assert step(one, 0.1, **WORKING).p_fail == 1.0
     assert one.explain().ignored == {"rotors": 1}
     one.reset()
     assert step(one, **WORKING).p_fail < 1.0
     repaired = monitor([quad(0.01, repair=True)], WORKING)
-    step(repaired, **{**WORKING, "m2": False})
+    step(repaired, **{**WORKING, "rotors_motor_2": False})
     assert step(repaired, 0.1, **WORKING).p_fail < 0.05
 
 
 @pytest.mark.parametrize("nothing", [None, math.nan, object(), [], "yes", 3, b"1", {}, 1.5])
 def test_what_is_no_status_is_unknown(nothing):
     one = rotors()
-    absent = step(one, **dict.fromkeys(("m0", "m1", "m2"), True))
-    assert one.message(step(one, **{**WORKING, "m3": nothing})) == one.message(absent)
+    absent = step(
+        one, **dict.fromkeys(("rotors_motor_0", "rotors_motor_1", "rotors_motor_2"), True)
+    )
+    assert one.message(step(one, **{**WORKING, "rotors_motor_3": nothing})) == one.message(absent)
 
 
 def test_time_goes_in_whole_quanta_rounded_up():
@@ -89,7 +94,7 @@ def test_the_worst_case_may_count_while_inputs_are_unknown():
     events = [event("exponential", 0.1, input="a"), event("fixed", 0.01)]
     model = [tree(events, [Gate("AND", (0, 1))])]
     for rule, expected in (("inactive", False), ("worst_case", True)):
-        one = monitor(model, ["a"], thresholds=thresholds, on_unknown=rule)
+        one = monitor(model, ["tree_a"], thresholds=thresholds, on_unknown=rule)
         result = step(one)
         assert result.evidence == {"go": expected}
         assert result.p_fail_high == pytest.approx(0.01)
@@ -136,24 +141,30 @@ def test_the_longest_mission_is_not_the_worst_of_a_tree_with_not():
 
 
 def test_battery_processor_units_and_series():
-    series = Part("all", Series(("battery", "cpu", "units")))
-    one = monitor([BATTERY, PROCESSOR, UNITS, series], ["level", "t", "u", "n"])
-    good = {"level": 80, "t": 60.0, "u": 1.0, "n": 4}
+    good = {"battery_level": 80, "cpu_temperature": 60.0, "cpu_utilisation": 1.0}
+    good["units_available"] = 4
+    one = monitor([BATTERY, PROCESSOR, UNITS, series("battery", "cpu", "units")], good)
     result = step(one, **good)
     parts = [result.contributions[name] for name in ("battery", "cpu", "units")]
     assert result.p_fail == pytest.approx(1 - math.prod(1 - p for p in parts), rel=1e-12)
     assert result.reliability == pytest.approx(1 - result.p_fail, rel=1e-12)
-    assert step(one, 0.1, **{**good, "level": 20}).p_fail == 1.0
+    assert step(one, 0.1, **{**good, "battery_level": 20}).p_fail == 1.0
     assert step(one, 0.2, **good).p_fail == 1.0
     assert one.explain().ignored == {"battery": 1}
-    assert step(one, 0.3, **{**good, "n": 1}).contributions["units"] == 1.0
-    for name, bad in (("level", 101), ("n", 2.5), ("n", 5), ("t", math.inf), ("u", -1)):
+    assert step(one, 0.3, **{**good, "units_available": 1}).contributions["units"] == 1.0
+    for name, bad in (
+        ("battery_level", 101),
+        ("units_available", 2.5),
+        ("units_available", 5),
+        ("cpu_temperature", math.inf),
+        ("cpu_utilisation", -1),
+    ):
         assert name in step(one, 0.4, **{**good, name: bad}).unknown
         assert name in one.faults()
-    assert step(one, 0.5, **{**good, "level": 100.3}).unknown == ()
+    assert step(one, 0.5, **{**good, "battery_level": 100.3}).unknown == ()
     before = step(one, 0.6, **good).contributions["cpu"]
-    assert step(one, 0.7, **{**good, "t": None}).contributions["cpu"] > before
-    idle = step(one, 0.8, **{**good, "u": 0.0})
+    assert step(one, 0.7, **{**good, "cpu_temperature": None}).contributions["cpu"] > before
+    idle = step(one, 0.8, **{**good, "cpu_utilisation": 0.0})
     assert idle.contributions["cpu"] == 0.0
 
 
@@ -165,8 +176,9 @@ def everything():
     events += [event("exponential", 0.01), event("weibull", 50.0, 2.0, input="w")]
     events += [event("PAND", 0.1, 0.2)]
     top = tree(events, [Gate("OR", tuple(range(len(events))))])
-    values = {**WORKING, "level": 80.0, "t": 60.0, "n": 4, "new": True, "w": False}
-    parts = [BATTERY, PROCESSOR.but(load=None), UNITS.but(largest=None), quad(0.01), worn, top]
+    values = {**WORKING, "battery_level": 80.0, "cpu_temperature": 60.0, "units_available": 4}
+    values |= {"cpu_utilisation": 1.0, "new": True, "tree_w": False}
+    parts = [BATTERY, PROCESSOR, but(UNITS, max=None), quad(0.01), worn, top]
     return parts, values
 
 
@@ -176,7 +188,7 @@ def test_another_horizon_is_as_good_as_another_monitor():
     for horizon in (0.0, 0.25, 3.0, 1000.0):
         one, other = look_ahead(module, horizon), monitor(parts, values, horizon=horizon)
         for i in range(40):
-            unknown = {} if i % 20 < 17 else {"m1": None, "new": None}
+            unknown = {} if i % 20 < 17 else {"rotors_motor_1": None, "new": None}
             given = {**values, **unknown}
             mine, expected = step(one, i * 0.1, **given), step(other, i * 0.1, **given)
             assert mine.horizon == horizon
@@ -187,12 +199,12 @@ def test_another_horizon_is_as_good_as_another_monitor():
 
 
 def test_statuses_may_come_as_a_list():
-    model = quad(0.01).but(inputs=tuple(("status", i) for i in range(4)))
-    one = monitor([model], ["status"])
-    assert step(one, status=[True] * 4).valid
-    assert step(one, status=[True] * 3).unknown == ("status",)
-    assert "4 statuses are expected, not 3" in one.faults()["status"]
-    assert step(one, status=[True, False, True, True]).p_fail == 1.0
+    model = but(quad(0.01), status="list")
+    one = monitor([model], ["rotors_status"])
+    assert step(one, rotors_status=[True] * 4).valid
+    assert step(one, rotors_status=[True] * 3).unknown == ("rotors_status",)
+    assert "4 statuses are expected, not 3" in one.faults()["rotors_status"]
+    assert step(one, rotors_status=[True, False, True, True]).p_fail == 1.0
 
 
 def test_messages_and_json():
@@ -226,9 +238,9 @@ def test_a_threshold_says_what_it_lacks():
     assert told() == "go: good for 0.0 s of 0.2 s"
     step(one, 0.2, **WORKING)
     assert told() == ""
-    step(one, 0.4, **{**WORKING, "m1": None})
-    assert told() == "go <- m1: no value (p_fail 0.0392 .. 1, limit 0.1)"
-    step(one, 0.6, **{**WORKING, "m1": "x"})
-    assert told().startswith("go <- m1: ")
-    step(one, 0.8, **{**WORKING, "m1": False})
+    step(one, 0.4, **{**WORKING, "rotors_motor_1": None})
+    assert told() == "go <- rotors_motor_1: no value (p_fail 0.0392 .. 1, limit 0.1)"
+    step(one, 0.6, **{**WORKING, "rotors_motor_1": "x"})
+    assert told().startswith("go <- rotors_motor_1: ")
+    step(one, 0.8, **{**WORKING, "rotors_motor_1": False})
     assert told() == "go: p_fail 1 for 0.0 s, limit 0.1"

@@ -5,25 +5,31 @@ import math
 import pytest
 
 from eddi_scaffold.kinds.reliability.fault_tree import Gate
-from eddi_scaffold.kinds.reliability.lowering import Heat, KOutOfN, Processor
 from runtime_lib.tests.reliability.reliability_models import (
-    Part,
     battery,
+    but,
     chain,
     event,
+    heat,
     monitor,
+    processor,
     quad,
     rotors,
     tree,
+    units,
 )
 from runtime_lib.tests.reliability.test_reliability_monitor import (
     WORKING,
     step,
 )
 
-BATTERY = battery(1e-2, Heat("t", 0.5, 25.0, 60.0))
-CPU = Part("cpu", Processor(400.0, 1.0, Heat("t", 0.3, 51.0, 85.0), ("u", 1.0), 0.0))
-UNITS = Part("units", KOutOfN(2, 0.1, 4, "n"))
+BATTERY = battery(1e-2, **heat(0.5, 25.0, 60.0))
+CPU = processor(400.0, 1.0, 1.0, **heat(0.3, 51.0, 85.0))
+UNITS = units(2, 0.1, 4)
+LEVEL, WARMTH, HEAT, LOAD = (
+    *("battery_level", "battery_temperature"),
+    *("cpu_temperature", "cpu_utilisation"),
+)
 STATES = chain(
     [[0, 1, 0.5], [1, 2, 0.25], [0, 2, 0.125]], 3, [2],
     observe=[[0, "a", False], [1, "b", False], [2, "c", True]],
@@ -37,22 +43,23 @@ def gates(kind):
 
 NOT_OR = tree(EVENTS, [Gate("OR", (0, 1)), Gate("NOT", (2,))])
 TRUTHS = (True, False)
-ROTORS = dict.fromkeys(("m0", "m1", "m2", "m3"), TRUTHS)
+ROTORS = {f"rotors_motor_{i}": TRUTHS for i in range(4)}
+TOLD = {"tree_a": TRUTHS, "tree_b": TRUTHS}
 KINDS = {
-    "battery": (BATTERY, {"level": (90.0, 60.0, 30.0, 10.0), "t": (-150.0, 25.0, 60.0)}),
-    "charged battery": (BATTERY.but(repair=True), {"level": (90.0, 10.0), "t": (5.0, 60.0)}),
-    "processor": (CPU, {"t": (-150.0, 51.0, 85.0), "u": (0.0, 0.5, 1.0)}),
-    "worn processor": (CPU.but(shape=3.0), {"t": (51.0, 85.0), "u": (0.0, 0.5, 1.0)}),
-    "new processor": (CPU.but(shape=0.5), {"t": (51.0, 85.0), "u": (0.0, 0.5, 1.0)}),
-    "units": (UNITS, {"n": (0, 1, 2, 3, 4)}),
+    "battery": (BATTERY, {LEVEL: (90.0, 60.0, 30.0, 10.0), WARMTH: (-150.0, 25.0, 60.0)}),
+    "charged battery": (but(BATTERY, repair=True), {LEVEL: (90.0, 10.0), WARMTH: (5.0, 60.0)}),
+    "processor": (CPU, {HEAT: (-150.0, 51.0, 85.0), LOAD: (0.0, 0.5, 1.0)}),
+    "worn processor": (but(CPU, shape=3.0), {HEAT: (51.0, 85.0), LOAD: (0.0, 0.5, 1.0)}),
+    "new processor": (but(CPU, shape=0.5), {HEAT: (51.0, 85.0), LOAD: (0.0, 0.5, 1.0)}),
+    "units": (UNITS, {"units_available": (0, 1, 2, 3, 4)}),
     "rotors": (quad(0.01), ROTORS),
     "repaired rotors": (quad(0.01, repair=True), ROTORS),
-    "hexacopter": (rotors("PNPNPN", 0.1), {f"m{i}": TRUTHS for i in range(6)}),
+    "hexacopter": (rotors("PNPNPN", 0.1), {f"rotors_motor_{i}": TRUTHS for i in range(6)}),
     "chain": (STATES, {"a": TRUTHS, "b": TRUTHS, "c": TRUTHS}),
-    "OR": (gates("OR"), {"a": TRUTHS, "b": TRUTHS}),
-    "AND": (gates("AND"), {"a": TRUTHS, "b": TRUTHS}),
-    "XOR": (gates("XOR"), {"a": TRUTHS, "b": TRUTHS}),
-    "NOT": (NOT_OR, {"a": TRUTHS, "b": TRUTHS}),
+    "OR": (gates("OR"), TOLD),
+    "AND": (gates("AND"), TOLD),
+    "XOR": (gates("XOR"), TOLD),
+    "NOT": (NOT_OR, TOLD),
 }
 PARTS = [BATTERY, CPU, UNITS, quad(0.01)]
 LEVELS = [10.0 ** (-k / 8.0) for k in range(64)]
@@ -70,24 +77,36 @@ def last(parts, names, steps):
 
 
 def test_a_known_load_counts_while_the_temperature_is_unknown():
-    part = CPU.but(load=("u", 3.0))
-    names = ["t", "u"]
-    worst = last([part], names, [{"t": 85.0, "u": 3.0}]).p_fail
-    idle = last([part], names, [{"t": 85.0, "u": 0.25}]).p_fail
+    part = but(CPU, u_max=3.0)
+    names = [HEAT, LOAD]
+    worst = last([part], names, [{HEAT: 85.0, LOAD: 3.0}]).p_fail
+    idle = last([part], names, [{HEAT: 85.0, LOAD: 0.25}]).p_fail
     for load, expected in ((3.0, worst), (0.25, idle), (None, worst)):
-        lost = last([part], names, [{"t": None, "u": load}])
+        lost = last([part], names, [{HEAT: None, LOAD: load}])
         assert lost.p_fail_high == pytest.approx(expected, rel=1e-14)
         assert (lost.p_fail_low, lost.valid) == (0.0, False)
-    cool = last([part], names, [{"t": 51.0, "u": 3.0}]).p_fail
-    assert last([part], names, [{"t": 51.0, "u": None}]).p_fail == pytest.approx(cool, rel=1e-14)
+    cool = last([part], names, [{HEAT: 51.0, LOAD: 3.0}]).p_fail
+    assert last([part], names, [{HEAT: 51.0, LOAD: None}]).p_fail == pytest.approx(cool, rel=1e-14)
 
 
 @pytest.mark.parametrize(
     ("part", "good", "name", "limit", "shown"),
     [
-        (CPU, {"t": 85.0, "u": 1.0}, "t", 85.0, "is above t_max (85 degC); it counts as unknown"),
-        (CPU, {"t": 85.0, "u": 1.0}, "u", 1.0, "is above u_max (1); it counts as unknown"),
-        (BATTERY, {"t": 60.0, "level": 80.0}, "t", 60.0, "is above t_max (60 degC); it counts as"),
+        (
+            CPU,
+            {HEAT: 85.0, LOAD: 1.0},
+            HEAT,
+            85.0,
+            "is above t_max (85 degC); it counts as unknown",
+        ),
+        (CPU, {HEAT: 85.0, LOAD: 1.0}, LOAD, 1.0, "is above u_max (1); it counts as unknown"),
+        (
+            BATTERY,
+            {WARMTH: 60.0, LEVEL: 80.0},
+            WARMTH,
+            60.0,
+            "is above t_max (60 degC); it counts as",
+        ),
     ],
 )
 def test_what_is_above_its_limit_is_unknown_and_as_bad_as_it_says(part, good, name, limit, shown):
@@ -125,10 +144,10 @@ def test_what_is_above_its_limit_is_unknown_and_as_bad_as_it_says(part, good, na
     ],
 )
 def test_a_value_that_is_given_in_another_unit_is_judged_in_that(factor, value, fault):
-    one = monitor([BATTERY], ["level", "t"], factors={"level": factor}, **MORE)
-    result = step(one, level=value, t=25.0)
+    one = monitor([BATTERY], [LEVEL, WARMTH], factors={LEVEL: factor}, **MORE)
+    result = step(one, **{LEVEL: value, WARMTH: 25.0})
     assert result.valid is (fault is None)
-    assert fault is None or fault in one.faults()["level"]
+    assert fault is None or fault in one.faults()[LEVEL]
 
 
 ARCS = [[0, 1, 1e-3], [1, 2, 0.5]]
@@ -168,13 +187,13 @@ def test_a_large_chain_is_bounded_by_every_state_until_it_is_known():
 
 
 def test_a_level_that_is_ignored_ends_no_gap():
-    part = BATTERY.but(heat=None)
-    results = told([part], "level", [60.0, 90.0, None, 90.0, 60.0])
+    part = battery(1e-2)
+    results = told([part], LEVEL, [60.0, 90.0, None, 90.0, 60.0])
     assert [one.valid for one in results] == [True, True, False, False, True]
     assert [one.p_fail_high for one in results[2:4]] == [1.0, 1.0]
-    assert results[3].unknown == ("level",)
+    assert results[3].unknown == (LEVEL,)
     assert results[4].p_fail == results[0].p_fail
-    empty = told([part], "level", [10.0, None, 90.0])
+    empty = told([part], LEVEL, [10.0, None, 90.0])
     assert [one.valid for one in empty] == [True, False, True]
     assert empty[2].p_fail == 1.0
 
@@ -258,23 +277,23 @@ def drone():
     ]
     go = [{**GO, "activate": 0.1, "release": 0.2}]
     parts = [quad(0.001), CPU, tree(events, [Gate("OR", (0, 1, 2))])]
-    return monitor(parts, [*WORKING, "t", "u", "lost"], thresholds=go)
+    return monitor(parts, [*WORKING, HEAT, LOAD, "tree_lost"], thresholds=go)
 
 
 def test_what_is_lost_ignored_or_beyond_its_range_is_said():
     one = drone()
-    step(one, **{**WORKING, "t": 50.0, "u": 0.5, "lost": True})
-    step(one, 0.1, **{**WORKING, "t": 120.0, "lost": False})
+    step(one, **{**WORKING, HEAT: 50.0, LOAD: 0.5, "tree_lost": True})
+    step(one, 0.1, **{**WORKING, HEAT: 120.0, "tree_lost": False})
     found = one.explain()
-    assert set(found.known) == {*WORKING, "lost"}
+    assert set(found.known) == {*WORKING, "tree_lost"}
     assert found.ignored == {"tree": 1}
     lines = found.text().split("\n")
     assert lines[:6] == [
         "p_fail 1 within 1 h, not valid: unknown inputs",
         "  go is not active",
-        "  t is unknown: 120 is above t_max (85 degC); it counts as unknown",
-        "  u is unknown",
-        "  lost: it reports that a failed part works again; ignored without `repair: true`",
+        "  cpu_temperature is unknown: 120 is above t_max (85 degC); it counts as unknown",
+        "  cpu_utilisation is unknown",
+        "  tree_lost: it reports that a failed part works again; ignored without `repair: true`",
         "  model cpu: p_fail 0.0163",
     ]
     assert lines[-1] == "  model tree: ignored once that something failed works again"

@@ -52,14 +52,12 @@ def test_what_is_no_sample_is_an_omission_and_changes_nothing(bad, reason):
     result = step(one, bad)
     assert (result.omission, result.reason, result.rejected) == (True, reason, 1)
     assert one.faults()["sample"]
-    assert one.blocked() == {"sample": ("odd_violation",)}
     again = step(one, Messages())
     assert again == result  # nothing new: nothing changes
     after = step(one, [0.2])
     assert not after.omission
     assert after.accepted == before.accepted + 1
     assert one.faults() == {}
-    assert one.blocked() == {}
 
 
 def test_an_omission_is_explained_in_words():

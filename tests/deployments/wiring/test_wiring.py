@@ -8,10 +8,11 @@ import pytest
 import yaml
 
 from eddi_scaffold.common.problems import EddiError, Problem
-from eddi_scaffold.deployments.support import WiredMonitor, wired
+from eddi_scaffold.deployments.support import WiredMonitor, facts_of_package, wired
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.platforms import chosen
 from tests.cli.command import Result, edit, run
 from tests.data_files import ORACLES, data_text, write_files
 from tests.package_texts import facts_in
@@ -74,6 +75,10 @@ def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
     for reader in (good, bad):
         assert [one.case for one in check_wiring([base, reader])] == ["D001.alone"]
         assert codes(check_wiring([base], [reader])) == ["D001"]
+        assert base.bound is not None
+        there = facts_of_package("base", chosen("ros1").monitor(base.bound)[0].answers)
+        assert there is not None
+        assert codes(check_wiring([reader], [there])) == ["D001"], "also of a package that is there"
 
 
 def test_class_names_are_the_ids_that_others_read(tmp_path: Path) -> None:

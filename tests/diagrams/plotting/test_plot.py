@@ -43,7 +43,11 @@ def test_what_is_true_may_be_bad_and_is_not_green() -> None:
     assert blue > green > red
 
 
-def test_a_reason_is_clipped_in_the_bar_and_whole_beside_the_pointer() -> None:
+def reasons(root: ET.Element) -> list[ET.Element]:
+    return [text for text in root.iter(f"{SVG}text") if text.attrib.get("class") == "reason"]
+
+
+def test_a_reason_is_below_its_bar_and_ends_before_the_next_one() -> None:
     chain = "nearest <- /lidar/<nearest>: nothing for 0.4 s, limit 0.3 s"
     values = [True, None, None, None, None, None, None, True]
     told = replace(track(*values), reasons=("", *[chain] * 6, ""))
@@ -54,8 +58,14 @@ def test_a_reason_is_clipped_in_the_bar_and_whole_beside_the_pointer() -> None:
         f"unknown: 1 s to 7 s, {chain}",
     ]
     assert len(bars) == 3 + 8
-    shown, *_ = [text for text in root.iter(f"{SVG}text") if text.attrib.get("class") == "reason"]
-    assert (shown[0].text, shown[0].tail) == (bars[1][0].text, chain)
+    shown, _ = reasons(root)
+    assert (shown[0].text, shown[0].tail) == (chain, chain)
+    assert float(shown.attrib["y"]) > float(bars[1].attrib["y"]) + float(bars[1].attrib["height"])
+
+    told = replace(track(*values, *values), reasons=("", *"ab", *[chain] * 4, "") * 2)
+    first, second = reasons(ET.fromstring(plot("x", [told])))
+    assert str(first[0].tail).endswith("…")  # the one that lasts, and not the first
+    assert float(first.attrib["x"]) + 5 * len(str(first[0].tail)) < float(second.attrib["x"])
 
 
 def test_a_long_noise_keeps_its_peaks_and_what_is_unknown() -> None:

@@ -18,8 +18,8 @@ from eddi_scaffold.kinds.reliability import trial
 from eddi_scaffold.kinds.reliability.compile import table
 from eddi_scaffold.kinds.reliability.decision_diagram import build
 from eddi_scaffold.kinds.reliability.fault_tree import Gate, minimal_cut_sets
-from eddi_scaffold.kinds.reliability.lowering import FaultTree, lower
-from eddi_scaffold.kinds.reliability.system import ReliabilitySystem
+from eddi_scaffold.kinds.reliability.lowering import lower_tree
+from eddi_scaffold.kinds.reliability.system import FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import mean_life
 from eddi_scaffold.monitors.loading import read_models
 from tests.data_files import data_file
@@ -142,8 +142,9 @@ def systems(file: str) -> dict[str, ReliabilitySystem]:
 
 
 def value(system: ReliabilitySystem) -> float:
-    tree = lower(system).components[system.top]
-    assert isinstance(tree, FaultTree)
+    content = system.components[system.top].content
+    assert isinstance(content, FaultTree)
+    tree = lower_tree(system.top, content)
     assert tree.diagram is not None
     diagram = tree.diagram
 

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml import KIND
-from eddi_scaffold.kinds.safeml.safeml_model import detectable_shift
 from eddi_scaffold.kinds.safeml.scope import Design, Plan
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros_packages import messages_of
@@ -120,23 +119,6 @@ def test_auto_calibrates_from_twenty_windows_on(tmp_path: Path) -> None:
         assert plan.calibration is not None
         assert plan.threshold >= max(plan.theoretical, plan.calibration.quantile)
     assert plan_of(tmp_path, window_size=16).calibration is None
-
-
-@pytest.mark.parametrize("metric", ["KolmogorovSmirnovDistance", "AndersonDarlingDistance"])
-def test_the_detectable_shift_is_detected(metric: str, tmp_path: Path) -> None:
-    chance = np.random.default_rng(2)
-    rows = chance.normal(size=(600, 1)).tolist()
-    keys = {**FIGURE, "window_size": 25, "calibration": "iid", "distance_metric": metric}
-    monitor, _ = joined(tmp_path, rows, **keys)
-    shift = detectable_shift(monitor.model.options.plan)
-    assert shift is not None
-    one = compiled(monitor)
-    found = []
-    for _ in range(200):
-        one.reset()
-        window = chance.normal(shift, size=(25, 1))
-        found.append(one.execute_step(SimpleNamespace(sample=window), 0).odd_violation)
-    assert np.mean(found) > 0.45
 
 
 def test_a_huge_window_ends_quickly(tmp_path: Path) -> None:

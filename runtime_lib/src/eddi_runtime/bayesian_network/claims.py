@@ -218,10 +218,6 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         more = [Cause((name,), "invalid", text, detail=detail) for name, text in texts.items()]
         return [*self._of_unknown(specs, self.faults(), detail), *more]
 
-    def blocked(self) -> dict[str, tuple[str, ...]]:
-        lost = tuple(row.id for row in self.claims() if row.reason in (UNKNOWN_INPUTS, TOO_MANY))
-        return dict.fromkeys(self.facts().unknown_inputs, lost) if lost else {}
-
     def reset(self) -> None:
         super().reset()
         for one in self._judges:

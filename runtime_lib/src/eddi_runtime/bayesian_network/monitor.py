@@ -209,9 +209,6 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         """Return the last result of each threshold, in the order of the configuration."""
         return []
 
-    def blocked(self) -> dict[str, tuple[str, ...]]:
-        return {}
-
     def accepted(self) -> tuple[str, ...]:
         return self.facts().accepted
 

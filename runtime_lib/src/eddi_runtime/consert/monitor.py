@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, Sequence, overload
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Sequence, overload
 
 from ..inputs import accepted, look_again, states_of, step_time
 from ..monitor import Monitor, Tree, row_trees
 from ..plain_values import ABSENT, exactly, plain, read
-from ..why import TRUE, UNKNOWN, Cause
+from ..why import TRUE, Cause
 from .verdicts import (
     FAULT,
-    MISSING,
     NAMES,
     Explanation,
     Guarantee,
     Judgement,
     Leaf,
-    Reason,
     Sets,
 )
 
@@ -105,7 +103,7 @@ class ConSert(Monitor[Rows]):
         def distance(group: list[int]) -> tuple[object, ...]:
             return -min([values[k] for k in group], default=TRUE), len(group), sorted(group)
 
-        places = {name: k for k, name in enumerate(self._input_ids)}
+        places = self._places()
         for one, name in zip(self.guarantees, self.published_ids):
             if not one.default:
                 groups = [[places[id_] for id_ in group] for group in sets.missing(one)[0]]
@@ -158,17 +156,15 @@ class ConSert(Monitor[Rows]):
 
         An unknown id is a LookupError that names those there are.
         """
-        sets, reasons = self._sets(), self.reasons()
+        sets, places = self._sets(), self._places()
         if guarantee_id is None:
-            return tuple([self._explain(one, sets, reasons) for one in self.guarantees])
+            return tuple([self._explain(one, sets, places) for one in self.guarantees])
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
-        return self._explain(self._named[guarantee_id], sets, reasons)
+        return self._explain(self._named[guarantee_id], sets, places)
 
-    def _explain(
-        self, guarantee: Guarantee, sets: Sets, reasons: Mapping[str, Reason]
-    ) -> Explanation:
+    def _explain(self, guarantee: Guarantee, sets: Sets, places: dict[str, int]) -> Explanation:
         value, (missing, truncated) = sets.value(guarantee), sets.missing(guarantee)
         return Explanation(
             guarantee=guarantee.id,
@@ -176,10 +172,16 @@ class ConSert(Monitor[Rows]):
             verdict=NAMES[value],
             missing=tuple(missing),
             single_losses=sets.single_losses(guarantee) if value == TRUE else (),
-            reasons={name: reasons[name] for group in missing for name in group},
+            reasons={name: self._reason(places[name]) for name in sorted(set().union(*missing))},
             truncated=truncated,
             robots=self._robots(guarantee),
         )
+
+    def _reason(self, k: int) -> str:
+        return "; ".join([one._replace(path=one.path[1:]).chain for one in self._of_leaf(k)])
+
+    def _places(self) -> dict[str, int]:
+        return {name: k for k, name in enumerate(self._input_ids)}
 
     def robots(self, guarantee_id: str) -> tuple[str, ...]:
         found = self._robots(self._named[guarantee_id]).values()
@@ -192,22 +194,6 @@ class ConSert(Monitor[Rows]):
             return {}
         return {name: words[name] for name in self._sets().granting(one) if name in words}
 
-    def reasons(self) -> dict[str, Reason]:
-        """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
-        reasons, states = {}, states_of(self._source)
-        rows = zip(self._input_ids, self.leaves, self.raw, self._leaf_values())
-        for k, (name, leaf, raw, filtered) in enumerate(rows):
-            if filtered == TRUE:
-                continue
-            value, why = leaf.judge(raw)
-            state = states.get(name) if why == MISSING else None
-            reasons[name] = Reason(why, leaf.describe(raw, why))
-            if value == TRUE and self.filter is not None:
-                reasons[name] = Reason("debouncing", self.filter.waiting(k))
-            elif state is not None and state.state != "ok":
-                reasons[name] = Reason(state.state, state.reason)
-        return reasons
-
     def accepted(self) -> tuple[str, ...]:
         found = accepted(self.inputs, self._source)
         if self.filter is None or not self.filter.accepts:
@@ -216,20 +202,9 @@ class ConSert(Monitor[Rows]):
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
         return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
 
-    def blocked(self) -> dict[str, tuple[str, ...]]:
-        """Return input id -> inactive guarantees that depend on it, for inputs not known now."""
-        sets, found = self._sets(), {}
-        values = zip(self._input_ids, self._judgements())
-        unknown = [name for name, (value, _) in values if value == UNKNOWN]
-        blocking = [(one.id, sets.blocking(one)) for one in self.guarantees if unknown]
-        for name in unknown:
-            if ids := tuple(id_ for id_, by in blocking if name in by):
-                found[name] = ids
-        return found
-
     def faults(self) -> dict[str, str]:
         return {
-            self.inputs[k].id: self.leaves[k].describe(self.raw[k], FAULT)
+            self.inputs[k].id: self.leaves[k].fault(self.raw[k])
             for k, (_, why) in enumerate(self._judgements())
             if why == FAULT
         }

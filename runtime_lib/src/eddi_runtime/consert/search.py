@@ -93,17 +93,6 @@ class Search(Sets):
                 critical[k] = bits
         return self._ids(critical.get(one.node, 0))
 
-    def blocking(self, one: Guarantee) -> frozenset[str]:
-        seen, stack = {one.node}, [one.node]
-        while stack:
-            k = stack.pop()
-            if k >= self._graph.leaves and not self._true_nodes[k]:
-                new = {read for read in self._node(k).inputs if read not in seen}
-                seen |= new
-                stack += new
-        leaves = (k for k in seen if k < self._graph.leaves and not self._true_nodes[k])
-        return frozenset(self._graph.names[k] for k in leaves)
-
     def granting(self, one: Guarantee) -> Group:
         read = {k for gate in self._gates_below(one.node) for k in self._node(gate).inputs}
         below = sorted(k for k in read if k < self._graph.leaves and self._true_nodes[k])

@@ -26,7 +26,6 @@ class Leaf:
     """How the value of an input is judged."""
 
     expected = ""  # what it accepts, for people
-    covered_text = ""  # what of that is TRUE, as in the model
     # whether a value of an exact Python type is covered, None for another type
     _covers: Callable[[Any], Optional[bool]]
 
@@ -44,25 +43,17 @@ class Leaf:
             return UNKNOWN, FAULT
         return (TRUE, GOOD) if covered else (FALSE, NOT_COVERED)
 
-    def describe(self, raw: object, why: str) -> str:
-        if why == MISSING:
-            return "no value"
-        if why == NAN:
-            return "the value is NaN"
-        if why == FAULT:
-            problem = raw.problem if type(raw) is Absent else ""  # isinstance asks the object
-            return problem or f"expected {self.expected}, got {show(raw)}"
-        if not self.covered_text:
-            return f"the value is {show(raw)}"
-        text = self.covered_text
-        short = text if len(text) <= 200 else f"{text[:197]}..."
-        return f"the value {show(raw)} is not in {short}"
+    def fault(self, raw: object) -> str:
+        """Return why a value is none of this input."""
+        problem = raw.problem if type(raw) is Absent else ""  # isinstance asks the object
+        return problem or f"expected {self.expected}, got {show(raw)}"
 
     def cause(self, raw: object, why: str) -> Cause:
         """Return why a value is not good, where its messages do not tell it."""
         if why == NOT_COVERED:
             return Cause((), "false", self._wrong(plain(raw)))
-        return Cause((), "invalid", "NaN" if why == NAN else self.describe(raw, why))
+        text = {MISSING: "no value", NAN: "NaN"}.get(why) or self.fault(raw)
+        return Cause((), "invalid", text)
 
     def _wrong(self, value: Any) -> str:
         """Return the text of a value that is not good."""
@@ -91,7 +82,6 @@ class Categorical(Leaf):
 
     def __init__(self, *covered: str) -> None:
         self.covered = frozenset(covered)
-        self.covered_text = "{" + ", ".join(covered) + "}"
         self.needs = " or ".join(covered)
 
     def _covers(self, value: object) -> bool | None:
@@ -115,7 +105,6 @@ class Numeric(Leaf):
         factor: tuple[int, int] = (1, 1),  # a value times this is in that unit
     ) -> None:
         self.ranges = ranges
-        self.covered_text = text
         self.needs, self.unit, self.factor = needs or text, unit, factor
 
     def _wrong(self, value: Any) -> str:
@@ -133,14 +122,6 @@ class Numeric(Leaf):
 Group = Tuple[str, ...]  # ids of inputs, sorted
 
 
-class Reason(NamedTuple):
-    """Why an input is not TRUE now."""
-
-    # ``false``, ``missing``, ``stale``, ``invalid``, ``nan``, ``fault`` or ``debouncing``
-    kind: str
-    text: str  # the same for people, with value and range or age
-
-
 class Explanation(NamedTuple):
     """Why one guarantee is as it is after the last step."""
 
@@ -150,7 +131,7 @@ class Explanation(NamedTuple):
     # inactive: each minimal set of inputs that would activate it by becoming TRUE
     missing: tuple[Group, ...]
     single_losses: Group  # active: each input whose loss alone would deactivate it, by id
-    reasons: Mapping[str, Reason]  # for each input in ``missing``, why it is not TRUE
+    reasons: Mapping[str, str]  # for each input in ``missing``, why it is not TRUE
     truncated: bool  # there are more sets, and a listed one may be larger than needed
     # each input that rests on the words of other robots, with their names
     robots: Mapping[str, tuple[str, ...]] = {}
@@ -165,7 +146,7 @@ class Explanation(NamedTuple):
         if not self.missing:
             lines.append("  nothing can activate it")
         for group in self.missing:
-            needs = [f"{one} ({self.reasons[one].text})" for one in group]
+            needs = [f"{one} ({self.reasons[one]})" for one in group]
             lines += [f"  needs {' and '.join(needs)}"]
         if self.truncated:
             lines.append("  ... and more")
@@ -229,7 +210,3 @@ class Sets:
     def granting(self, one: Guarantee) -> Group:
         """Return the TRUE inputs that a guarantee can rest on."""
         return tuple(sorted(self._true.intersection(name for path in one.paths for name in path)))
-
-    def blocking(self, one: Guarantee) -> frozenset[str]:
-        """Return the inputs that keep a guarantee from being TRUE."""
-        return frozenset(name for group in self.missing(one)[0] for name in group)

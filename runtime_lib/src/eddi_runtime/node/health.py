@@ -158,7 +158,8 @@ class Health:
     def _of_node(self, cause: Cause, graph: GraphFact, now: float) -> Cause:
         if cause.state == "never" and self._waiting:
             began = now if self._first_step is None else self._first_step
-            cause = cause._replace(since=now - began, limit=self._grace).because("waiting")
+            since = min(now - began, self._grace)  # the step that ends it may not have come yet
+            cause = cause._replace(since=since, limit=self._grace).because("waiting")
         return graph.explained(cause)
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
@@ -206,6 +207,12 @@ class Health:
             of_input = asked.causes.get(spec.id, ()) if state != FRESH else ()
             later = (cause.later(now - asked.at) for cause in of_input)
             causes = [one if one.monitors else self._of_node(one, graph, now) for one in later]
+            topics, claims = self._monitor.topics, dict(spec.claims)
+            whole = [(name, "") for name in spec.requires if name not in claims]
+            sources = [
+                f"{topics.get(name, name)} {claim}".rstrip()
+                for name, claim in (*spec.claims, *whole)
+            ]
             fact = report.InputFact(
                 id=spec.id,
                 state=state,
@@ -215,6 +222,7 @@ class Health:
                 errors=self._errors.get(spec.id, 0),
                 limit=spec.max_age,
                 mistaken=any(cause.state == "type" for cause in causes),
+                sources=", ".join(sources),
             )
             facts.append(fact)
         silent = now - self._last_step

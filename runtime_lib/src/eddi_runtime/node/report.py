@@ -30,6 +30,7 @@ class InputFact(NamedTuple):
     # its ``max_age``: seconds, ``none`` (it may be of any age on purpose), or ``None``
     limit: float | str | None = None
     mistaken: bool = False  # something of another type comes
+    sources: str = ""  # the topics it is made of, each with the claim that is read there
 
 
 class MonitorFact(NamedTuple):
@@ -129,6 +130,7 @@ def report(
     for fact in inputs:
         age = "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
         pairs = [("age_s", age), ("received", str(fact.received)), ("errors", str(fact.errors))]
+        pairs += [("from", fact.sources)] if fact.sources else []
         pairs += [("max_age", "no limit")] if fact.limit == "none" else []
         pairs += [("reason", fact.reason)] if fact.reason else []
         values += [(fact.id, fact.state), *((f"{fact.id}.{key}", text) for key, text in pairs)]

@@ -260,9 +260,5 @@ class Reliability(Monitor[ReliabilityResult]):
         hold = one.threshold.hold_ns / 1e9
         return [Cause((), "hold", TEXTS["hold"], since=self._lasting(one.since), limit=hold)]
 
-    def blocked(self) -> dict[str, tuple[str, ...]]:
-        lost = tuple(one.id for one in self._evidence if not one.active) or ("valid",)
-        return dict.fromkeys(self._result.unknown, lost)
-
     def faults(self) -> dict[str, str]:
         return dict(self._faults)

@@ -257,8 +257,5 @@ class SafeML(Monitor[SafeMLResult]):
             causes = [Cause((), "window", text, since=causes[0].since)]
         yield "in_scope", UNKNOWN, causes
 
-    def blocked(self) -> dict[str, tuple[str, ...]]:
-        return {self.inputs[0].id: ("odd_violation",)} if self._last.omission else {}
-
     def faults(self) -> dict[str, str]:
         return {self.inputs[0].id: self._fault} if self._fault else {}

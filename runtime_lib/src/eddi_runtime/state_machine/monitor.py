@@ -214,10 +214,6 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         silent = [self.inputs[k].id for k in sorted(self._silent)]
         return (*super().accepted(), *excused, *[f"{id_}: max_age: none" for id_ in silent])
 
-    def blocked(self) -> Mapping[str, tuple[str, ...]]:
-        lost = tuple([name for name, on in self._result.evidence.items() if not on])
-        return dict.fromkeys(self._result.unknown_inputs, lost or ("state",))
-
     # Why.
 
     def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
