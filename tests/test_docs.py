@@ -141,7 +141,10 @@ def shell(command: str, folder: Path, given: str = "") -> str:
     return done.stdout
 
 
-INNER = {"engine_for", "judge", "look", "read", "reduce", "restart", "sources", "stamp", "step"}
+INNER = {
+    *("engine_for", "judge", "look", "published", "read", "reduce"),
+    *("restart", "sources", "stamp", "step"),
+}
 """What compiled text or another module of the runtime calls, not people."""
 
 

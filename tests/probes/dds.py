@@ -23,6 +23,7 @@ _classes = {
             {
                 "std_msgs/Bool": "bool data",
                 "std_msgs/String": "string data",
+                "std_msgs/Float32": "float32 data",
                 "std_msgs/Float64": "float64 data",
                 "eddi_messages/Guarantee": "string id, bool active",
                 "eddi_messages/ConSertOutput": "eddi_messages/Guarantee[] guarantees",

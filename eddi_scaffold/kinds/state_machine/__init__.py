@@ -19,35 +19,19 @@ SUFFIX = ".machine"
 """Before that of the format: of a file of which only the state machine counts."""
 KEYS = ("start", "reset", "observe", "triggers", "transitions", "evidence", "max_gap")
 _UNKNOWN = 1
+_FALSE = "it is false also when it is unknown"
+_NOT = "`in_state[STATE].verdict == 0`"
 _VERDICT = Meaning(
-    (_UNKNOWN,),
-    refused="the verdict is 1 when it is unknown",
-    instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
-    known=(0, 2),
+    (_UNKNOWN,), refused="it is 1 when it is unknown", instead="`{field} == 0`", known=(0, 2)
 )
 MEANINGS: Meanings = {
     "StateMachineOutput": {
-        "state": Meaning(
-            ("",),
-            refused="`state` is empty while several are possible",
-            instead="`in_state[STATE].verdict == 0`",
-        ),
-        "failed": Meaning(
-            (_UNKNOWN,),
-            refused="`failed` is 1 when it is unknown",
-            instead="`failed == 0`, known not to be, or `failed == 2`, known to be",
-            known=(0, 2),
-        ),
+        "state": Meaning(("",), refused="it is empty while several are possible", instead=_NOT),
+        "failed": _VERDICT,
         "in_state[].verdict": _VERDICT,
-        "in_state[].active": Meaning(
-            (False,),
-            refused="`active` of a state is false also when it is unknown",
-            instead="`in_state[STATE].verdict == 0`",
-        ),
+        "in_state[].active": Meaning((False,), refused=_FALSE, instead=_NOT),
         "evidence[].active": Meaning(
-            (False,),
-            refused="`active` of evidence is false also when it is unknown",
-            instead="evidence of the other states",
+            (False,), refused=_FALSE, instead="evidence of the other states"
         ),
     }
 }

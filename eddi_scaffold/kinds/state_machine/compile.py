@@ -33,21 +33,12 @@ def methods_of(machine: StateMachine) -> dict[str, str]:
 def actions_module(machine: StateMachine) -> Sequence[EditableModule]:
     """Return the module with a method for each function; none where there is no function."""
     methods = tuple(
-        EditableMethod(
-            name,
-            text,
-            ("pass",),
-            ("call",),
-            comments=(python_comment(text),),
-            uses=("call",),
-        )
+        EditableMethod(name, text, ("pass",), ("call",), comments=(python_comment(text),))
         for text, name in methods_of(machine).items()
     )
-    if not methods:
-        return ()
     docstring = "What is done when the state machine enters and leaves its states."
     about = "Each is called once, when it is certain to be due, after the result was published."
-    return [EditableModule("actions.py", docstring, "Actions", about, methods)]
+    return [EditableModule("actions.py", docstring, "Actions", about, methods)] if methods else []
 
 
 def compile_machine(

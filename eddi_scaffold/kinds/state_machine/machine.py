@@ -11,7 +11,6 @@ from eddi_scaffold.common.problems import Place
 from eddi_scaffold.program.gates import Gate
 
 NAME = "state_machine"
-EVENT_TYPES = ("", "event")  # types of warnings that are events for others
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,7 @@ class Action:
     @property
     def is_event(self) -> bool:
         """Whether it is an event that may trigger a transition."""
-        return self.kind == "warning" and self.type in EVENT_TYPES
+        return self.kind == "warning" and self.type in ("", "event")
 
 
 @dataclass(frozen=True)

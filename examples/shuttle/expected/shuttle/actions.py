@@ -17,12 +17,12 @@ class Actions:
 
     def action_limit_speed(self, call):
         # limit_speed
-        '''-----Manual edit begin-----'''  # region: action_limit_speed of:d74ff0ee for:931c9021
+        '''-----Manual edit begin-----'''  # region: action_limit_speed of:d74ff0ee for:d325e746
         pass
         '''-----Manual edit end-----'''  # region: action_limit_speed
 
     def action_restore_speed(self, call):
         # restore_speed
-        '''-----Manual edit begin-----'''  # region: action_restore_speed of:d74ff0ee for:6cd3cb09
+        '''-----Manual edit begin-----'''  # region: action_restore_speed of:d74ff0ee for:a8c1f291
         pass
         '''-----Manual edit end-----'''  # region: action_restore_speed
