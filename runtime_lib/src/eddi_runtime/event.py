@@ -79,14 +79,14 @@ class ConditionMonitor(Conditions, Monitor[Output]):
         return f"{shown(value, unit)} is outside {low:.9g} .. {high:.9g} {unit}".rstrip()
 
     def faults(self) -> Mapping[str, str]:
-        found = {
+        reasons = {
             self.inputs[k].id: reason
             for k, reason in zip(self.reductions, self._reasons)
             if self.raw[k] is not None and reason
         }
         unusable = map(self._fault, range(len(self.inputs)))
-        found.update((spec.id, one) for spec, one in zip(self.inputs, unusable) if one)
-        return found
+        reasons.update((spec.id, text) for spec, text in zip(self.inputs, unusable) if text)
+        return reasons
 
     def _fault(self, k: int) -> str:
         value, limits, factor = plain(self.raw[k]), self.limits[k], self.inputs[k].factor
@@ -140,7 +140,7 @@ class EventMonitor(ConditionMonitor[Rows]):
             stands, now = t == self.last, self.step(eddi_input, t)
             if not stands:
                 self._taken = self.raw
-            elif any(one is None is not taken for one, taken in zip(self.raw, self._taken)):
+            elif any(raw is None is not taken for raw, taken in zip(self.raw, self._taken)):
                 now = self._unknown  # a simulation's clock stands: no step is taken, silence shows
         self._verdicts = now
         if now != before:
@@ -197,16 +197,16 @@ class EventMonitor(ConditionMonitor[Rows]):
         return causes or [Cause((), "window", TEXTS["window"] + back, since=since)]
 
     def accepted(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(one for found in self._accepted().values() for one in found))
+        return tuple(dict.fromkeys(word for words in self._accepted().values() for word in words))
 
     def _accepted(self) -> dict[str, list[str]]:
         """Return event -> the acceptances in use that it may rest on."""
-        found: dict[str, list[str]] = {}
+        of_events: dict[str, list[str]] = {}
         for event, value in zip(self.events, self._verdicts):
             words = event.accepts if value == (0 if event.hazard else 2) else ()
             of_inputs = accepted([self.inputs[k] for k in event.needs], self._source)
-            found[event.id] = [*of_inputs, *(f"{event.id}: {word}" for word in words)]
-        return found
+            of_events[event.id] = [*of_inputs, *(f"{event.id}: {word}" for word in words)]
+        return of_events
 
     def restart(self) -> None:
         self._jumped = getattr(self, "last", None)

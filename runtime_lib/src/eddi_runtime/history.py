@@ -133,6 +133,6 @@ class EDDIInputBase(inputs.EDDIInputBase):
         if now is None:  # what was given is no time
             return None
         # Where the clock of a simulation stands, no step is taken; silence must show all the same.
-        hidden = now == compiled.last and any(one is None for one in values.values())
+        hidden = now == compiled.last and any(item is None for item in values.values())
         value = compiled.value(now, values, ages)
         return None if hidden else value

@@ -104,7 +104,7 @@ def accepted(specs: Sequence[InputSpec], eddi_input: object) -> tuple[str, ...]:
 
     Where the messages are not watched (``states``), no input is known to rest on such a key.
     """
-    found: list[str] = []
+    words: list[str] = []
     states = states_of(eddi_input)
     for spec in specs:
         limitless = spec.max_age == "none"
@@ -114,15 +114,15 @@ def accepted(specs: Sequence[InputSpec], eddi_input: object) -> tuple[str, ...]:
                 default = states[spec.id].state == "missing"  # is what it holds
                 keys = [key for key in spec.accepts if (key == UNSAFE_DEFAULT) == default]
                 keys = ["max_age: none", *keys] if limitless and not default else keys
-                found += [f"{spec.id}: {key}" for key in keys]
-    return tuple(found)
+                words += [f"{spec.id}: {key}" for key in keys]
+    return tuple(words)
 
 
 def states_of(eddi_input: object) -> Mapping[str, InputState]:
     """Return the ``states`` of an ``EDDIInput``, none of any other object; never raises."""
-    found = read(eddi_input, "states", "states")
-    if type(found) is dict and all(type(one) is InputState for one in found.values()):
-        return found
+    states = read(eddi_input, "states", "states")
+    if type(states) is dict and all(type(state) is InputState for state in states.values()):
+        return states
     return {}
 
 
@@ -215,7 +215,7 @@ class EDDIInputBase:
     def __keep_time(self, t_ns: int | None) -> None:
         now = step_time(t_ns)
         if (t_ns is None) is not self.__own:
-            self.__arrivals = {name: (one, None) for name, (one, _) in self.__arrivals.items()}
+            self.__arrivals = {name: (row[0], None) for name, row in self.__arrivals.items()}
             self.__doubt_time()
             self.__start = None
         self.__own, self.__now, self.__arrived = t_ns is None, now, set()
@@ -394,9 +394,9 @@ class EDDIInputBase:
             claim = id_ or named(message)
             link = self.__link(source, claim)
             path = () if link == spec.id else (link,)
-            found = told(self.__latest.get(key), claim, self.__age_now(key), verdict)
-            causes += [one.under(link) if path else one for one in found]
-            if not found:
+            told_causes = told(self.__latest.get(key), claim, self.__age_now(key), verdict)
+            causes += [cause.under(link) if path else cause for cause in told_causes]
+            if not told_causes:
                 (held if holds(message, claim) else silent).append(path)
         others = set(spec.requires).difference([source for source, _ in spec.claims])
         if causes or (verdict == FALSE and others):  # where none is told, it is not these
@@ -412,7 +412,7 @@ class EDDIInputBase:
     def known_for(self, specs: Sequence[InputSpec]) -> float:
         """Return for how many seconds the states of inputs have been as they are."""
         began = [self.__began.get(spec.id) for spec in specs]
-        return min([self.__lasting(one) for one in began], default=math.inf)
+        return min([self.__lasting(time) for time in began], default=math.inf)
 
     def __lasting(self, began: int | None) -> float:
         now = self.__looked
@@ -435,7 +435,7 @@ def aged(ages: Sequence[float], limit: float | str | None) -> InputState:
     """Return whether messages of these ages are fresh."""
     age = max(ages, default=0.0)
     # "<=" for each and not ">" for the oldest: an age of NaN is no proof of freshness.
-    if limit is None or isinstance(limit, str) or all(one <= limit for one in ages):
+    if limit is None or isinstance(limit, str) or all(each <= limit for each in ages):
         return InputState("ok", "", age)
     if age == UNKNOWN_AGE:
         return InputState("stale", "the last message was latched, its age is not known", age)

@@ -179,18 +179,18 @@ class Peers:
                 known = session.made_after > -math.inf
                 age, limit = now - session.made_after, min(self._lease, session.message.lease)
                 word = Word(robot, why, age, limit) if why and known else Word(robot, why)
-                found = Found(word, receipt if known else None)
-                candidates.append(((not granted, bool(why), *place), found))
+                candidate = Found(word, receipt if known else None)
+                candidates.append(((not granted, bool(why), *place), candidate))
         if not candidates:
             robot = source.robots[0] if len(source.robots) == 1 else ""
             return Found(Word(robot, f"no word of {source.model} on {_robots(source)} was heard"))
-        _, found = min(candidates)
-        if not found.word.unfit and found.receipt is not None:  # these stand behind it
-            message: Any = found.receipt.message
+        _, candidate = min(candidates)
+        if not candidate.word.unfit and candidate.receipt is not None:  # these stand behind it
+            message: Any = candidate.receipt.message
             robot, rests_on = message.robot, _of(message, source.guarantee)[0].rests_on
             behind = {f"{robot}/{message.model_id}", *rests_on}
             self._behind[robot] = self._behind.get(robot, frozenset()) | behind
-        return found
+        return candidate
 
     def _unfit(
         self, source: Source, speaker: _Speaker, sessions: Sequence[_Speaker], now: float

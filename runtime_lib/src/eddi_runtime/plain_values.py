@@ -134,8 +134,8 @@ def given(value: T, *known: object) -> T:
     ``known``: values that are known by themselves; a tuple is another field and values of that by
     which this one is known: ``given(event.active, (event.verdict, 0, 2))``.
     """
-    for one in known:
-        told, *wanted = one if isinstance(one, tuple) else (value, one)
+    for entry in known:
+        told, *wanted = entry if isinstance(entry, tuple) else (value, entry)
         if told in wanted:
             return value
     raise NotGivenError(UNTOLD)
@@ -181,11 +181,11 @@ def follow(message: object, path: Iterable[Step]) -> object:
 
 
 def _only(key: str, wanted: object, keyed: Sequence[tuple[object, T]]) -> T:
-    found = [item for one, item in keyed if plain(one) == wanted]
-    if len(found) == 1:
-        return found[0]
-    what = f"{len(found)} elements have" if found else "no element has"
-    there = ", ".join(str(one) for one, _ in keyed) or "nothing"
+    items = [item for item_key, item in keyed if plain(item_key) == wanted]
+    if len(items) == 1:
+        return items[0]
+    what = f"{len(items)} elements have" if items else "no element has"
+    there = ", ".join(str(item_key) for item_key, _ in keyed) or "nothing"
     raise LookupError(f"{what} {key} {wanted!r}; there: {there}")
 
 

@@ -105,7 +105,7 @@ class Cause(NamedTuple):
             "monitors": [*self.monitors],
             "topic": self.topic,
             "state": self.state,
-            **{name: one if math.isfinite(one) else None for name, one in numbers.items()},
+            **{name: x if math.isfinite(x) else None for name, x in numbers.items()},
             "text": clean(self.said),
         }
 
@@ -123,7 +123,7 @@ class ClaimWhy(NamedTuple):
         """``Sail <- Calm <- wind <- /mast/wind: nothing for 0.4 s``; empty where it holds."""
         if self.verdict == TRUE:
             return ""
-        chains = [one.chain for one in self.causes[:_SHOWN]] or [TEXTS["untold"]]
+        chains = [cause.chain for cause in self.causes[:_SHOWN]] or [TEXTS["untold"]]
         arrow = " <- " if self.causes and self.causes[0].path else ": "
         more = len(self.causes[_SHOWN:]) + self.more
         last = [f"and {more} more"] if more else []
@@ -132,7 +132,7 @@ class ClaimWhy(NamedTuple):
 
     def as_json(self) -> dict[str, Any]:
         """Return it as ``run --json`` writes it."""
-        value, causes = _VALUES[self.verdict], [one.as_json() for one in self.causes]
+        value, causes = _VALUES[self.verdict], [cause.as_json() for cause in self.causes]
         return {"value": value, "text": self.sentence, "causes": causes}
 
 
@@ -197,7 +197,7 @@ def why_tree(monitor: str, claims: Why) -> Tuple[str, Any]:
     """Return the message ``Why`` as a tree, without a header; causes go where it is too long."""
     most = MOST_CAUSES
     while True:
-        rows = [_claim_tree(one, most) for one in claims.values()]
+        rows = [_claim_tree(claim, most) for claim in claims.values()]
         if most == 0 or _size(rows) + len(monitor) <= MOST_BYTES - 64:
             break
         most -= 1
@@ -206,23 +206,23 @@ def why_tree(monitor: str, claims: Why) -> Tuple[str, Any]:
     return "Why", {"monitor": monitor, "claims": rows}
 
 
-def _claim_tree(one: ClaimWhy, most: int) -> Tuple[str, Any]:
-    causes = [_cause_tree(cause) for cause in one.causes[:most]]
-    more = min(one.more + len(one.causes) - len(causes), 65535)
-    return "ClaimWhy", {"id": one.id, "verdict": one.verdict, "causes": causes, "more": more}
+def _claim_tree(claim: ClaimWhy, most: int) -> Tuple[str, Any]:
+    causes = [_cause_tree(cause) for cause in claim.causes[:most]]
+    more = min(claim.more + len(claim.causes) - len(causes), 65535)
+    return "ClaimWhy", {"id": claim.id, "verdict": claim.verdict, "causes": causes, "more": more}
 
 
-def _cause_tree(one: Cause) -> Tuple[str, Any]:
-    detail = f" ({one.detail})" if one.detail else ""
+def _cause_tree(cause: Cause) -> Tuple[str, Any]:
+    detail = f" ({cause.detail})" if cause.detail else ""
     return "Cause", {
-        "path": [clean(link)[:_LONGEST] for link in one.path],
-        "monitors": [clean(name)[:_LONGEST] for name in one.monitors],
-        "topic": clean(one.topic)[:_LONGEST],
-        "state": STATES.index(one.state),
-        "since": one.since,
-        "age": one.age,
-        "limit": one.limit,
-        "text": clean(one.text + detail)[:_LONGEST],
+        "path": [clean(link)[:_LONGEST] for link in cause.path],
+        "monitors": [clean(name)[:_LONGEST] for name in cause.monitors],
+        "topic": clean(cause.topic)[:_LONGEST],
+        "state": STATES.index(cause.state),
+        "since": cause.since,
+        "age": cause.age,
+        "limit": cause.limit,
+        "text": clean(cause.text + detail)[:_LONGEST],
     }
 
 
@@ -231,8 +231,8 @@ def _size(value: Any) -> int:
     if isinstance(value, str):
         return 8 + len(value.encode("utf-8", "replace"))
     if isinstance(value, tuple):
-        return sum([_size(one) for one in value[1].values()])
-    return 8 + sum([_size(one) for one in value]) if isinstance(value, list) else 8
+        return sum([_size(part) for part in value[1].values()])
+    return 8 + sum([_size(part) for part in value]) if isinstance(value, list) else 8
 
 
 def read_why(message: object) -> Why:
@@ -251,7 +251,7 @@ def read_why(message: object) -> Why:
 
 
 def _read_claim(row: Any) -> ClaimWhy:
-    causes = tuple([_read_cause(one) for one in _first(row.causes, MOST_CAUSES)])
+    causes = tuple([_read_cause(cause) for cause in _first(row.causes, MOST_CAUSES)])
     verdict, more = plain(row.verdict), plain(row.more)
     if verdict not in (FALSE, UNKNOWN, TRUE) or not isinstance(more, int):
         raise ValueError(verdict)
@@ -261,7 +261,7 @@ def _read_claim(row: Any) -> ClaimWhy:
 def _read_cause(row: Any) -> Cause:
     state: Any = plain(row.state)
     path, monitors = _first(row.path, MOST_LINKS), _first(row.monitors, MOST_LINKS)
-    numbers: Any = [plain(one) for one in (row.since, row.age, row.limit)]
+    numbers: Any = [plain(number) for number in (row.since, row.age, row.limit)]
     since, age, limit = map(float, numbers)
     links, names = tuple(map(_text, path)), tuple(map(_text, monitors))
     topic, text, detail = map(_text, (row.topic, row.text, getattr(row, "detail", "")))
@@ -287,7 +287,7 @@ def clean(text: str) -> str:
     """Return a text with a blank for each character that cannot be printed."""
     if text.isprintable():
         return text
-    return "".join([one if one.isprintable() else " " for one in text])
+    return "".join([letter if letter.isprintable() else " " for letter in text])
 
 
 def seconds(value: float) -> str:

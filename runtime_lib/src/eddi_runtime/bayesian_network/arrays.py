@@ -40,7 +40,7 @@ class Numbers:
         messages: Sequence[tuple[Any, ...]],
     ) -> None:
         self._nodes = nodes
-        self.messages = [Message(*one) for one in messages]  # by number
+        self.messages = [Message(*row) for row in messages]  # by number
         # number of a message -> its numbers for every case of its inputs
         self.known: dict[int, Array] = {}
         # node -> its evidence vector for each state; behind them that for "not observed"
@@ -55,7 +55,7 @@ class Numbers:
         rows = self.rows[node]
         if position not in weights:
             return rows[states[position]]
-        return [one * other for one, other in zip(weights[position], rows[-1])]
+        return [weight * other for weight, other in zip(weights[position], rows[-1])]
 
     def _numbers(self, message: Message) -> Any:
         """Return the known numbers of a message for every case of its inputs."""
@@ -66,7 +66,9 @@ class Numbers:
             parents, rows = self._nodes[node]
             axes = (*parents, node)
             array = np.array(rows).reshape([len(self._nodes[axis][1][0]) for axis in axes])
-            return array.transpose([axes.index(one) for one in (*message.inputs, *message.nodes)])
+            return array.transpose(
+                [axes.index(name) for name in (*message.inputs, *message.nodes)]
+            )
         first = np.array(self._nodes[message.nodes[0]][1][0])
         vector = first if message.kind == "prior" else np.ones(len(first))
         if message.kind == "unit":
@@ -84,10 +86,10 @@ class Numbers:
 
         def numbers(part: Message) -> list[int]:
             before = part.inputs if cases else ()
-            return [number[one] for one in (*(-1 - node for node in before), *part.nodes)]
+            return [number[axis] for axis in (*(-1 - node for node in before), *part.nodes)]
 
-        one, other = (of[part] for part in message.parts)
-        return np.einsum(one, numbers(first), other, numbers(second), numbers(message))
+        left, other = (of[part] for part in message.parts)
+        return np.einsum(left, numbers(first), other, numbers(second), numbers(message))
 
 
 class Running(Numbers):
@@ -116,24 +118,24 @@ class Running(Numbers):
     def scaled(self, states: States, weights: Weights) -> Posteriors:
         """Return rows of which none is zero by underflow; slow, for unlikely evidence."""
         # The widest type of the machine: on a PC 80 bits, with exponents down to -4950.
-        found: dict[int, Any] = {}
+        arrays: dict[int, Any] = {}
         for number, message in enumerate(self.messages):
             if message.kind in _EVIDENCE:
                 (node,) = message.nodes
                 array: Any = np.array(self.vector(node, self._positions[node], states, weights))
             elif message.kind == "product":
-                array = self._product(message, found, cases=False)
+                array = self._product(message, arrays, cases=False)
             else:
                 case = tuple(states[self._positions[node]] for node in message.inputs)
                 array = self.known[number][case]
             largest = array.max()
             wide = array.astype(np.longdouble)
-            found[number] = wide / largest if largest > 0.0 else wide
+            arrays[number] = wide / largest if largest > 0.0 else wide
         if self._wanted:
-            return [[float(value) for value in found[answer]] for answer in self._answers]
-        total = found[self._answers[0]]
+            return [[float(value) for value in arrays[answer]] for answer in self._answers]
+        total = arrays[self._answers[0]]
         for answer in self._answers[1:]:
-            total = total * found[answer]
+            total = total * arrays[answer]
         return [[float(total.sum() > 0.0)]]
 
     def _step(self, steps: Any) -> Callable[[States], Posteriors]:
@@ -176,7 +178,7 @@ class Running(Numbers):
             axis, start, stop = rest
             piece = (*(slice(None),) * axis, slice(start, stop))
             of = slots[source]
-            return [one[piece] for one in of] if type(of) is list else of[piece]
+            return [array[piece] for array in of] if type(of) is list else of[piece]
         if kind == "view":
             view = slots[source].transpose(rest[0]).reshape(rest[1])
             assert np.shares_memory(view, slots[source])

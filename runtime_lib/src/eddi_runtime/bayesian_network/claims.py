@@ -98,8 +98,8 @@ class ThresholdMonitor(BayesianNetworkMonitor):
     def _lose(self, reason: str) -> None:
         """Let nothing be active, whatever the probabilities are."""
         self._bounds, self._reason = None, reason
-        for one in self._judges:
-            one.step(0, math.nan, usable=False)
+        for judge in self._judges:
+            judge.step(0, math.nan, usable=False)
 
     def _picked(self, rows: Rows) -> list[float]:
         return [
@@ -135,20 +135,20 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         doubt = self._doubtful and any(reader.possible for reader in self._doubtful)
         if not doubt and True not in map(eq, last.states, missing):
             return ()
-        found: list[Open] = []
+        opened: list[Open] = []
         for position, node, every, reader in self._places:
             by_method = node in last.answer.findings or node in last.answer.problems
             if last.states[position] == missing[position]:
                 accepted = reader is not None and reader.prior_accepted and not by_method
                 if position not in last.weights and not accepted:
-                    found.append((position, every))
+                    opened.append((position, every))
             elif reader is not None and reader.possible and not by_method:
-                found.append((position, tuple(reader.possible)))
-        return found
+                opened.append((position, tuple(reader.possible)))
+        return opened
 
     def claims(self) -> list[Claim]:
         bounds = self._bounds or [(math.nan, math.nan)] * len(self.thresholds)
-        found = []
+        made = []
         for threshold, own, (low, high) in zip(self.thresholds, self._judges, bounds):
             reason = "" if own.active else self._reason
             if self._bounds is not None and not own.active:
@@ -158,8 +158,8 @@ class ThresholdMonitor(BayesianNetworkMonitor):
                     reason = HOLD if self._timely else NO_TIME
                 else:
                     reason = BETWEEN if self._all_known else UNKNOWN_INPUTS
-            found.append(Claim(own.id, own.active, low, high, reason))
-        return found
+            made.append(Claim(own.id, own.active, low, high, reason))
+        return made
 
     def evidence_message(self) -> Tree:
         facts = self.facts()
@@ -182,27 +182,27 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         }
 
     def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
-        for one, threshold, judge in zip(self.claims(), self.thresholds, self._judges):
-            verdict = TRUE if one.active else UNKNOWN if one.reason else FALSE
-            yield one.id, verdict, () if one.active else self._causes(one, threshold, judge)
+        for claim, threshold, judge in zip(self.claims(), self.thresholds, self._judges):
+            verdict = TRUE if claim.active else UNKNOWN if claim.reason else FALSE
+            yield claim.id, verdict, () if claim.active else self._causes(claim, threshold, judge)
 
-    def _causes(self, one: Claim, threshold: StateThreshold, judge: Evidence) -> list[Cause]:
+    def _causes(self, claim: Claim, threshold: StateThreshold, judge: Evidence) -> list[Cause]:
         node, limit = self.nodes[threshold.node], abs(threshold.limits.activate)
         about = f"{node.id}={' or '.join([node.states[state] for state in threshold.states])}"
-        best, tail = (one.high if threshold.at_least else one.low), f"limit {figure(limit)}"
-        if one.reason == HOLD:
+        best, tail = (claim.high if threshold.at_least else claim.low), f"limit {figure(limit)}"
+        if claim.reason == HOLD:
             hold = threshold.limits.hold_ns / 1e9
             since = self._lasting(judge.since)
             return [Cause((), "hold", TEXTS["hold"], since=since, limit=hold)]
-        if not one.reason:
+        if not claim.reason:
             text = f"{about} {figure(best)} for {{since}}, {tail}"
             return [Cause((), "false", text, since=self._lasting(judge.lost), limit=limit)]
-        if one.reason == BETWEEN:
+        if claim.reason == BETWEEN:
             return [Cause((), "window", f"{about} {figure(best)}, {tail}", limit=limit)]
-        if one.reason not in (UNKNOWN_INPUTS, TOO_MANY):
-            return [Cause((), "invalid", REASONS[one.reason])]
-        bounds = f"{about} {figure(one.low)} .. {figure(one.high)}, {tail}"
-        return self._of_nodes("" if math.isnan(one.low) else bounds)
+        if claim.reason not in (UNKNOWN_INPUTS, TOO_MANY):
+            return [Cause((), "invalid", REASONS[claim.reason])]
+        bounds = f"{about} {figure(claim.low)} .. {figure(claim.high)}, {tail}"
+        return self._of_nodes("" if math.isnan(claim.low) else bounds)
 
     def _of_nodes(self, detail: str) -> list[Cause]:
         """Return why the states of nodes are not known that are open."""
@@ -220,15 +220,15 @@ class ThresholdMonitor(BayesianNetworkMonitor):
 
     def reset(self) -> None:
         super().reset()
-        for one in self._judges:
-            one.reset()
+        for judge in self._judges:
+            judge.reset()
         self._bounds = None
         self._reason, self._all_known, self._timely = UNKNOWN_INPUTS, False, True
 
     def _prepare(self, outputs: set[int], observed: set[int]) -> None:
         super()._prepare(outputs, observed)
         order = self.engine.outputs
-        self._picks = [(order.index(one.node), one.states) for one in self.thresholds]
+        self._picks = [(order.index(of.node), of.states) for of in self.thresholds]
         self._tried_bounds: dict[Any, Pairs | None] = {}
         readers = {node: source.reader for node, (_, source) in self._fed.items()}
         self._places = [

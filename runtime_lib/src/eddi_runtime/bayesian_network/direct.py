@@ -43,10 +43,10 @@ class DirectReader:
             if type(raw) is str and raw in number:
                 return number[raw]
             try:
-                found = judged(raw)
+                state = judged(raw)
             except EvidenceError:
                 return missing
-            return missing if found is None else found
+            return missing if state is None else state
 
         return read
 

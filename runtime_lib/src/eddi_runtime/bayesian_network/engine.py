@@ -114,12 +114,12 @@ class Engine:
         parts = self._parts
         if self._when_observed and not weights and True not in map(eq, states, self._all_missing):
             parts = self._when_observed
-        found: Posteriors = [[]] * len(self.outputs)
+        posteriors: Posteriors = [[]] * len(self.outputs)
         for running, positions, slots, least in parts:
             soft = weights and not positions.isdisjoint(weights)
             rows = running.soft(states, weights) if soft else running.hard(states)
-            for number, slot in enumerate(slots):
-                row = rows[number]
+            for k, slot in enumerate(slots):
+                row = rows[k]
                 if slot.position >= 0:
                     row = _weighted(row, slot, states, weights)
                 total = sum(row)
@@ -127,14 +127,14 @@ class Engine:
                     likelihoods = [weights[k] for k in positions.intersection(weights)]
                     smallest = [min(p for p in weight if p > 0.0) for weight in likelihoods]
                     if least + sum(map(math.log2, smallest)) <= _LEAST_EXPONENT:
-                        rare = running.scaled(states, weights)[number]
+                        rare = running.scaled(states, weights)[k]
                         row = _weighted(rare, slot, states, weights)
                         total = sum(row)
                     if not total:
                         return None
                 if slot.output >= 0:
-                    found[slot.output] = [one / total for one in row]
-        return found
+                    posteriors[slot.output] = [number / total for number in row]
+        return posteriors
 
     def _inference(self, part: Part) -> _Inference:
         wanted = [k for k, node in enumerate(part.outputs) if node in self.outputs]
@@ -156,8 +156,8 @@ def _weighted(
     if position < 0:
         return row
     if position in weights:
-        return [one * other for one, other in zip(row, weights[position])]
+        return [number * other for number, other in zip(row, weights[position])]
     state = states[position]
     if state == slot.card:
         return row
-    return [one if k == state else 0.0 for k, one in enumerate(row)]
+    return [number if k == state else 0.0 for k, number in enumerate(row)]

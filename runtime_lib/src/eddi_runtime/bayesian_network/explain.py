@@ -26,16 +26,16 @@ class Explanation(NamedTuple):
 
     def text(self) -> str:
         lines = []
-        for name in sorted(self.evidence, key=lambda one: -self.relevance.get(one, 0.0)):
+        for name in sorted(self.evidence, key=lambda node: -self.relevance.get(node, 0.0)):
             value = self.evidence[name]
-            shown = value if isinstance(value, str) else ", ".join(f"{one:.3g}" for one in value)
+            shown = value if isinstance(value, str) else ", ".join(f"{p:.3g}" for p in value)
             moved = f", moves an output by {self.relevance[name]:.3g}" if self.relevance else ""
             lines.append(f"{name}: {shown}{moved}")
         lines += [f"{name}: not observed" for name in self.unobserved]
         facts = self.facts
         lines += [f"{name}: {' or '.join(states)}" for name, states in facts.undecided.items()]
         lines += [f"unknown: {', '.join(facts.unknown_inputs)}"] if facts.unknown_inputs else []
-        lines += [f"accepted: {one}" for one in facts.accepted]
+        lines += [f"accepted: {key}" for key in facts.accepted]
         return "\n".join([*lines, *(claim.text() for claim in self.claims)])
 
 
@@ -50,13 +50,13 @@ class Explaining(BayesianNetworkMonitor):
 
     def status_message(self) -> Tree:
         name, fields = super().status_message()
-        found = self._relevance()
-        names, values = list(found), list(found.values())
+        relevance = self._relevance()
+        names, values = list(relevance), list(relevance.values())
         return name, {**fields, "relevance_nodes": names, "relevance": values}
 
     def _relevance(self) -> dict[str, float]:
         last = self._last
-        found: dict[str, float] = {}
+        relevance: dict[str, float] = {}
         all_known = self._tried(last.states, last.weights)
         for position, node in enumerate(self.engine.observable if all_known is not None else ()):
             states, weights = list(last.states), dict(last.weights)
@@ -66,5 +66,5 @@ class Explaining(BayesianNetworkMonitor):
             without = self._tried(states, weights)
             pairs = zip(all_known or (), without or ())  # never None: less is claimed
             moved = [0.5 * sum(abs(p - q) for p, q in zip(*rows)) for rows in pairs]
-            found[self.nodes[node].id] = max(moved, default=0.0)
-        return found
+            relevance[self.nodes[node].id] = max(moved, default=0.0)
+        return relevance

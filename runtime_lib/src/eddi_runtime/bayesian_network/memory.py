@@ -35,7 +35,7 @@ class Hysteresis:
         if previous is not None and previous != bare:
             place = self._kept(value, previous, bare)
         if self._before:
-            places = {self._kept(value, one, bare) for one in self._before}
+            places = {self._kept(value, before, bare) for before in self._before}
             self.possible = self._before = tuple(sorted(places)) if len(places) > 1 else ()
         self._previous = place
         return place
@@ -90,7 +90,7 @@ class Remembering(Discretiser):
             place, self.possible = self._search(self._edges, number), ()
             if self._bands is not None:
                 place = self._bands.take(number, place)
-                self.possible = [self._order[one] for one in self._bands.possible]
+                self.possible = [self._order[index] for index in self._bands.possible]
             state = self._order[place]
         elif state == ABSENT:
             return self.absent(now)

@@ -77,8 +77,8 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
     def read(self, eddi_input: object) -> tuple[object, ...]:
         """Return the value of each source; compiled monitors write this out."""
         specs = [source.spec for source in self._sources]
-        found = [read(eddi_input, spec.attribute, spec.id) for spec in specs]
-        return tuple([None if type(value) is Absent else value for value in found])
+        values = [read(eddi_input, spec.attribute, spec.id) for spec in specs]
+        return tuple([None if type(value) is Absent else value for value in values])
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
         """Return one ``BayesianNetworkOutput``, or none; never raises.
@@ -111,14 +111,14 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         last.now, last.answer, last.problem, last.raw = now, answer, "", raw
         for (position, judge, absent), value in zip(self._readers, raw):
             try:
-                found = judge(value, now)
+                evidence = judge(value, now)
             except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, no evidence
-                last.raw = tuple([None if one is value else one for one in last.raw])
-                found = absent(now)
-            if isinstance(found, int):
-                states[position] = found
+                last.raw = tuple([None if item is value else item for item in last.raw])
+                evidence = absent(now)
+            if isinstance(evidence, int):
+                states[position] = evidence
             else:
-                weights[position] = found
+                weights[position] = evidence
         if answer is not NO_ANSWER:
             answer.put(self.engine, states, weights)
         rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
@@ -146,22 +146,22 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         return self.engine.infer(states, weights) if rows is _UNKNOWN else rows
 
     def as_json(self, output: Output) -> list[dict[str, Json]] | None:
-        return [one.as_json() for one in output] or None
+        return [network.as_json() for network in output] or None
 
     def series(self, output: Output) -> Named:
-        found: Named = {f"{title}={name}": None for title, names in self._given for name in names}
-        for node in (node for one in output for node in one.output_nodes):
-            found.update((f"{node.title}={one.name}", one.value) for one in node.outcomes)
-        found.update((claim.id, claim.active) for claim in self.claims())
-        return found
+        named: Named = {f"{title}={name}": None for title, names in self._given for name in names}
+        for node in (node for item in output for node in item.output_nodes):
+            named.update((f"{node.title}={item.name}", item.value) for item in node.outcomes)
+        named.update((claim.id, claim.active) for claim in self.claims())
+        return named
 
     def decided(self, output: Output) -> Named:
         """Return each threshold, the first most probable state, the status."""
-        found: Named = dict.fromkeys(title for title, _ in self._given)
-        for node in (node for one in output for node in one.output_nodes):
-            found[node.title] = max(node.outcomes, key=lambda one: one.value).name
-        found.update((claim.id, claim.active) for claim in self.claims())
-        return {**found, "status": self.status_name()}
+        named: Named = dict.fromkeys(title for title, _ in self._given)
+        for node in (node for item in output for node in item.output_nodes):
+            named[node.title] = max(node.outcomes, key=lambda item: item.value).name
+        named.update((claim.id, claim.active) for claim in self.claims())
+        return {**named, "status": self.status_name()}
 
     def message(self, output: object) -> Tree | list[Tree] | None:
         trees, faults = row_trees(output, out.output_tree)
@@ -244,15 +244,15 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         return out.Facts(valid, tuple(dict.fromkeys(unknown)), undecided, tuple(accepted))
 
     def faults(self) -> dict[str, str]:
-        found: dict[str, str] = {}
+        reasons: dict[str, str] = {}
         for source, value in zip(self._sources, self._last.raw):
             try:
                 reason = source.reader.fault(value)
             except Exception:  # noqa: BLE001 - a hostile object
                 reason = "the value cannot be read"
             if reason is not None:
-                found.setdefault(source.spec.id, reason)
-        return found
+                reasons.setdefault(source.spec.id, reason)
+        return reasons
 
     def engine_for(self, outputs: set[int], observed: set[int]) -> Engine:
         reason = self._not_foreseen(outputs, observed)
@@ -263,12 +263,12 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         return Engine(self.nodes, self.everything, outputs, observed)
 
     def _not_foreseen(self, outputs: Iterable[int], observed: Iterable[int]) -> str:
-        further = [("observed", one) for one in {*observed}.difference(self.foreseen.observable)]
-        further += [("outputs", one) for one in {*outputs}.difference(self.foreseen.outputs)]
+        further = [("observed", k) for k in {*observed}.difference(self.foreseen.observable)]
+        further += [("outputs", k) for k in {*outputs}.difference(self.foreseen.outputs)]
         return "; ".join(
-            f"node_{self.nodes[one].attribute} sets {self.nodes[one].id}, which was not foreseen:"
+            f"node_{self.nodes[k].attribute} sets {self.nodes[k].id}, which was not foreseen:"
             f" `{key}:` of the configuration does not name it"
-            for key, one in sorted(further)
+            for key, k in sorted(further)
         )
 
     def _prepare(self, outputs: set[int], observed: set[int]) -> None:
@@ -293,16 +293,20 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
     def _shown_with(self, flagged: set[int]) -> list[tuple[int, str, tuple[str, ...]]]:
         """Return (place, title, states) of each output that is given in a step."""
         pairs = [*enumerate(self.engine.outputs)]
-        shown = [(k, self.nodes[one]) for k, one in pairs if one in self.given or one in flagged]
+        shown = [
+            (k, self.nodes[number])
+            for k, number in pairs
+            if number in self.given or number in flagged
+        ]
         return [(place, node.id, node.states) for place, node in shown]
 
     def _evidence(self) -> tuple[dict[str, out.Known], list[str]]:
         """Return observed node -> its state or likelihoods; and the nodes that are not."""
-        nodes, last = [self.nodes[one] for one in self.engine.observable], self._last
-        found: dict[str, out.Known] = {}
+        nodes, last = [self.nodes[k] for k in self.engine.observable], self._last
+        known: dict[str, out.Known] = {}
         for position, (node, state) in enumerate(zip(nodes, last.states)):
             if position in last.weights:
-                found[node.id] = tuple(last.weights[position])
+                known[node.id] = tuple(last.weights[position])
             elif state < len(node.states):
-                found[node.id] = node.states[state]
-        return found, [node.id for node in nodes if node.id not in found]
+                known[node.id] = node.states[state]
+        return known, [node.id for node in nodes if node.id not in known]

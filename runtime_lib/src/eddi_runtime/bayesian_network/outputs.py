@@ -180,9 +180,9 @@ class Methods:
                 is_output, outcomes = (other or getattr(hooks, name))()
                 if is_output:
                     answer.outputs.add(node)
-                found = outcomes_finding(outcomes, states, virtual=virtual)
-                if found is not None:
-                    answer.findings[node] = found
+                finding = outcomes_finding(outcomes, states, virtual=virtual)
+                if finding is not None:
+                    answer.findings[node] = finding
                 elif not virtual and any(outcomes.values()):
                     answer.problems[node] = f"{name}: evidence_mode d7.2 drops its outcomes"
             except EvidenceError as problem:  # noqa: PERF203 - what the others say counts
@@ -255,7 +255,7 @@ class _Record:
 
     def as_json(self) -> dict[str, Json]:
         return {
-            name: [one.as_json() for one in value] if isinstance(value, list) else value
+            name: [item.as_json() for item in value] if isinstance(value, list) else value
             for name, value in vars(self).items()
         }
 

@@ -106,8 +106,8 @@ class _Arrays:
         self._chosen: dict[int, tuple[int, Any]] = {}  # axes of cases before it, what chooses
         self._vectors: list[tuple[int, int, Any]] = []
         self._operations: list[tuple[Any, int, int, int]] = []
-        for _, name, one, other, out in self._steps.operations:
-            self._operation(name, one, other, out)
+        for _, name, left, other, out in self._steps.operations:
+            self._operation(name, left, other, out)
 
     def step(self, wanted: Sequence[int]) -> Step:
         answers = [self._steps.answers[k] for k in wanted]
@@ -123,36 +123,36 @@ class _Arrays:
                 array[:] = vector(node, position, states, weights)
             for slot, choose, cases in chosen:
                 slots[slot] = cases[choose(states)]
-            for function, one, other, out in operations:
-                function(slots[one], slots[other], slots[out])
+            for function, left, other, out in operations:
+                function(slots[left], slots[other], slots[out])
             return [slots[answer].tolist() for answer in answers]
 
         return step
 
-    def _operation(self, name: str, one: int, other: int, out: int) -> None:
+    def _operation(self, name: str, left: int, other: int, out: int) -> None:
         """Add an operation, or do it at once where nothing in it changes from step to step."""
-        first, second = self._slot(one), self._slot(other)
-        if self._is_one(other) and self._same(one, out):
+        first, second = self._slot(left), self._slot(other)
+        if self._is_one(other) and self._same(left, out):
             return
-        if self._is_one(one) and self._same(other, out):
+        if self._is_one(left) and self._same(other, out):
             return
         result, function = self._slot(out), getattr(self._numpy, name)
-        if self._fixed(one) and self._fixed(other):
+        if self._fixed(left) and self._fixed(other):
             function(first, second, result)
             return
         self._changing.add(self._home[out])
         rows, length = result.size, first.shape[-1]
         if name == "matmul" and len(result) == 1 and result.flags.c_contiguous:
             # a single product of matrices, which dot writes only where numbers lie in order
-            one, other, out = (self._like(k, self._own(k)[1:]) for k in (one, other, out))
+            left, other, out = (self._like(k, self._own(k)[1:]) for k in (left, other, out))
             function = self._numpy.dot
-        elif self._own(one) == (rows, length) and rows * length > _GEMV and name == "dot":
+        elif self._own(left) == (rows, length) and rows * length > _GEMV and name == "dot":
             divisors = (k for k in range(1, rows) if not rows % k)
             pieces = next((k for k in divisors if rows * length <= k * _GEMV), rows)
-            one = self._like(one, (pieces, rows // pieces, length))
+            left = self._like(left, (pieces, rows // pieces, length))
             other, out = self._like(other, (length, 1)), self._like(out, (pieces, -1, 1))
             function = self._numpy.matmul
-        self._operations.append((function, one, other, out))
+        self._operations.append((function, left, other, out))
 
     def _fixed(self, slot: int) -> bool:
         return slot not in self._chosen and self._home[slot] not in self._changing

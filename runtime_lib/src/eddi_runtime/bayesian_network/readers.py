@@ -52,18 +52,18 @@ class Discretiser:
     possible: Sequence[int] = ()
 
     def __init__(self, declaration: Declaration, spec: InputSpec) -> None:
-        self._declared = one = declaration
-        self._edges, self._order = one.edges or (), one.order
-        self._special = {(type(value), value): state for value, state in one.special}
-        self._search = bisect_left if one.closed_right else bisect_right
+        self._declared = node = declaration
+        self._edges, self._order = node.edges or (), node.order
+        self._special = {(type(value), value): state for value, state in node.special}
+        self._search = bisect_left if node.closed_right else bisect_right
         # while the input is unknown, the prior of the node is accepted in its place
-        self.prior_accepted = one.policy == "prior"
-        self._default = one.missing
-        if one.policy == "default":
+        self.prior_accepted = node.policy == "prior"
+        self._default = node.missing
+        if node.policy == "default":
             state, number = self._judged(spec.default)
             if number is not None:
-                state = one.order[self._search(self._edges, number)]
-            self._default = one.missing if state == ABSENT else state
+                state = node.order[self._search(self._edges, number)]
+            self._default = node.missing if state == ABSENT else state
         # value, nanoseconds -> state (their number: not observed); a hostile value may raise
         self.read = self._quick()
 
@@ -72,15 +72,15 @@ class Discretiser:
 
     def known(self, raw: object, reading: Reading) -> tuple[bool, str]:
         """Return whether a value by itself is an observation, and by which key it counted."""
-        one, (state, number) = self._declared, self._judged(raw)
+        node, (state, number) = self._declared, self._judged(raw)
         if number is None:
-            known = state not in (ABSENT, one.missing)
-            speaks = one.policy == "prior" or (state == ABSENT and reading != one.missing)
-            return known, "" if known or not speaks else f"missing: {one.policy}"
+            known = state not in (ABSENT, node.missing)
+            speaks = node.policy == "prior" or (state == ABSENT and reading != node.missing)
+            return known, "" if known or not speaks else f"missing: {node.policy}"
         value: Any = plain(raw)
         if value in (math.inf, -math.inf):
             return True, "allow_inf: true"
-        return True, "" if one.limits[0] <= value <= one.limits[1] else "out_of_range: clamp"
+        return True, "" if node.limits[0] <= value <= node.limits[1] else "out_of_range: clamp"
 
     def fault(self, raw: object) -> str | None:
         """Return what is wrong with a value; None for a usable or a missing one."""
@@ -105,27 +105,27 @@ class Discretiser:
             state = self._special.get((type(value), value))
             if state is not None:
                 return state, None
-        one = self._declared
-        if one.edges is None or not (type(value) is float or type(value) is int):
+        node = self._declared
+        if node.edges is None or not (type(value) is float or type(value) is int):
             return ABSENT, None
         number = float(value)
         if number != number:  # noqa: PLR0124 - the test for NaN
             return ABSENT, None
-        low, high = one.limits
+        low, high = node.limits
         if not -math.inf < number < math.inf:
-            if not one.allow_inf:
-                return one.missing, None
+            if not node.allow_inf:
+                return node.missing, None
         elif not low <= number <= high:
-            if not one.clamp:
-                return one.missing, None
+            if not node.clamp:
+                return node.missing, None
             number = min(max(number, low), high)
-        return ABSENT, number * one.scale + one.offset if one.scaled else number
+        return ABSENT, number * node.scale + node.offset if node.scaled else number
 
     def _quick(self) -> Callable[[object, float], int]:
         """Return the short way for usual values; others take the long one."""
-        one, judged, default = self._declared, self._judged, self._default
+        node, judged, default = self._declared, self._judged, self._default
         search, edges, order = self._search, self._edges, self._order
-        scale, offset = one.scale, one.offset
+        scale, offset = node.scale, node.offset
 
         def slow(raw: object, _: float) -> int:
             state, number = judged(raw)
@@ -133,9 +133,9 @@ class Discretiser:
                 return order[search(edges, number)]
             return default if state == ABSENT else state
 
-        if one.edges is None or any(type(value) is float for value, _ in one.special):
+        if node.edges is None or any(type(value) is float for value, _ in node.special):
             return slow
-        low, high = max(one.limits[0], -_LARGEST), min(one.limits[1], _LARGEST)
+        low, high = max(node.limits[0], -_LARGEST), min(node.limits[1], _LARGEST)
 
         def scaled(raw: object, now: float) -> int:
             if type(raw) is float and low <= raw <= high:
@@ -147,4 +147,4 @@ class Discretiser:
                 return order[search(edges, raw)]
             return slow(raw, now)
 
-        return scaled if one.scaled else unscaled
+        return scaled if node.scaled else unscaled

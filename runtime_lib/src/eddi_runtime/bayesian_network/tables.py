@@ -60,7 +60,7 @@ class JointTables:
         return [
             self._row(table, states, weights)
             if table.total is None
-            else table.total([self._vector(one, states, weights) for one, _ in table.strides])
+            else table.total([self._vector(part, states, weights) for part, _ in table.strides])
             for table in self._tables
         ]
 
@@ -89,7 +89,7 @@ class JointTables:
         for vector in vectors:
             largest = max(row)
             if scale and largest > 0.0:
-                row = [one / largest for one in row]
+                row = [weight / largest for weight in row]
             block = len(row) // len(vector)
             slices = [row[k * block : (k + 1) * block] for k in range(len(vector))]
             row = [sum(map(mul, vector, column)) for column in zip(*slices)]
@@ -99,5 +99,5 @@ class JointTables:
 def _vectors(prior: Sequence[float]) -> Posteriors:
     """Return the vector of an input for each state, and for "not observed" behind them."""
     states = range(len(prior))
-    rows = [[float(one == state and prior[one] > 0.0) for one in states] for state in states]
+    rows = [[float(k == state and prior[k] > 0.0) for k in states] for state in states]
     return [*rows, list(prior)]

@@ -46,7 +46,7 @@ class ConSert(Monitor[Rows]):
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
         self.filter = leaf_filter  # of the truth values of the inputs
         self.guarantee_ids = tuple(guarantee.id for guarantee in self.guarantees)
-        self.published_ids = tuple(one.published or one.id for one in self.guarantees)
+        self.published_ids = tuple(row.published or row.id for row in self.guarantees)
         self._input_ids = tuple(spec.id for spec in self.inputs)
         self._named = dict(zip(self.published_ids, self.guarantees))
         self._named.update(zip(self.guarantee_ids, self.guarantees))
@@ -104,12 +104,12 @@ class ConSert(Monitor[Rows]):
             return -min([values[k] for k in group], default=TRUE), len(group), sorted(group)
 
         places = self._places()
-        for one, name in zip(self.guarantees, self.published_ids):
-            if not one.default:
-                groups = [[places[id_] for id_ in group] for group in sets.missing(one)[0]]
+        for guarantee, name in zip(self.guarantees, self.published_ids):
+            if not guarantee.default:
+                groups = [[places[id_] for id_ in group] for group in sets.missing(guarantee)[0]]
                 nearest = min(groups, key=distance, default=[])
                 nearest.sort(key=lambda k: (self._noted[k][2] or 0, k))
-                yield name, sets.value(one), [c for k in nearest for c in self._of_leaf(k)]
+                yield name, sets.value(guarantee), [c for k in nearest for c in self._of_leaf(k)]
 
     def _of_leaf(self, k: int) -> list[Cause]:
         value, why = self.leaves[k].judge(self.raw[k])
@@ -139,9 +139,9 @@ class ConSert(Monitor[Rows]):
         """
         sets = self._sets()
         active = [guarantee for guarantee in self.guarantees if sets.value(guarantee) == TRUE]
-        active.sort(key=lambda one: (one.default, one.ranking is None, one.ranking or 0))
+        active.sort(key=lambda row: (row.default, row.ranking is None, row.ranking or 0))
         return {
-            service: next((one.id for one in active if one.id in names), None)
+            service: next((row.id for row in active if row.id in names), None)
             for service, names in self.services
         }
 
@@ -158,7 +158,7 @@ class ConSert(Monitor[Rows]):
         """
         sets, places = self._sets(), self._places()
         if guarantee_id is None:
-            return tuple([self._explain(one, sets, places) for one in self.guarantees])
+            return tuple([self._explain(guarantee, sets, places) for guarantee in self.guarantees])
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
@@ -178,29 +178,29 @@ class ConSert(Monitor[Rows]):
         )
 
     def _reason(self, k: int) -> str:
-        return "; ".join([one._replace(path=one.path[1:]).chain for one in self._of_leaf(k)])
+        return "; ".join([cause._replace(path=cause.path[1:]).chain for cause in self._of_leaf(k)])
 
     def _places(self) -> dict[str, int]:
         return {name: k for k, name in enumerate(self._input_ids)}
 
     def robots(self, guarantee_id: str) -> tuple[str, ...]:
-        found = self._robots(self._named[guarantee_id]).values()
-        return tuple(sorted({robot for robots in found for robot in robots}))
+        names = self._robots(self._named[guarantee_id]).values()
+        return tuple(sorted({robot for robots in names for robot in robots}))
 
-    def _robots(self, one: Guarantee) -> dict[str, tuple[str, ...]]:
+    def _robots(self, guarantee: Guarantee) -> dict[str, tuple[str, ...]]:
         states = states_of(self._source).items()
         words = {name: state.robots for name, state in states if state.robots}
         if not words:  # as for most robots: nothing is to be found out
             return {}
-        return {name: words[name] for name in self._sets().granting(one) if name in words}
+        return {name: words[name] for name in self._sets().granting(guarantee) if name in words}
 
     def accepted(self) -> tuple[str, ...]:
-        found = accepted(self.inputs, self._source)
+        words = accepted(self.inputs, self._source)
         if self.filter is None or not self.filter.accepts:
-            return found
+            return words
         rows = zip(self.inputs, self.filter.values, self._judgements())
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
-        return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
+        return (*words, *(f"{name}: {self.filter.accepts}" for name in held))
 
     def faults(self) -> dict[str, str]:
         return {
@@ -221,16 +221,16 @@ class ConSert(Monitor[Rows]):
 
         trees, faults = row_trees(output, tree_of)
         if trees is None:
-            trees = [("Guarantee", {"id": one, "active": False}) for one in self.published_ids]
+            trees = [("Guarantee", {"id": id_, "active": False}) for id_ in self.published_ids]
         self._output_faults = (*faults, *spoilt)
         return "ConSertOutput", {"guarantees": trees}
 
     def status_message(self) -> Tree:
         sets = self._sets()
         rows: list[Tree] = []
-        for one in self.guarantees:
-            verdict, missing = sets.value(one), [*(*sets.missing(one)[0], ())[0]]
-            fields: Any = {"id": one.id, "verdict": verdict, "missing": missing}
+        for guarantee in self.guarantees:
+            verdict, missing = sets.value(guarantee), [*(*sets.missing(guarantee)[0], ())[0]]
+            fields: Any = {"id": guarantee.id, "verdict": verdict, "missing": missing}
             rows.append(("GuaranteeStatus", fields))
         return "ConSertStatus", {
             "model_id": self.model_id,

@@ -76,13 +76,13 @@ class Search(Sets):
         self._true_nodes = [value == TRUE for value in self._values]
         self._done = 0  # comparisons, so that no model makes a search endless
 
-    def value(self, one: Guarantee) -> int:
-        return self._values[one.node]
+    def value(self, guarantee: Guarantee) -> int:
+        return self._values[guarantee.node]
 
     # Exact: an And falls with any of its inputs, an Or with what all of its TRUE inputs fall with.
-    def single_losses(self, one: Guarantee) -> Group:
+    def single_losses(self, guarantee: Guarantee) -> Group:
         critical: dict[int, int] = {}
-        for k in self._gates_below(one.node):
+        for k in self._gates_below(guarantee.node):
             if self._true_nodes[k]:
                 is_and, inputs = self._node(k)
                 bits = -1 if inputs and not is_and else 0
@@ -91,10 +91,10 @@ class Search(Sets):
                         lost = critical[read] if read in critical else self._bit(read)
                         bits = bits | lost if is_and else bits & lost
                 critical[k] = bits
-        return self._ids(critical.get(one.node, 0))
+        return self._ids(critical.get(guarantee.node, 0))
 
-    def granting(self, one: Guarantee) -> Group:
-        read = {k for gate in self._gates_below(one.node) for k in self._node(gate).inputs}
+    def granting(self, guarantee: Guarantee) -> Group:
+        read = {k for gate in self._gates_below(guarantee.node) for k in self._node(gate).inputs}
         below = sorted(k for k in read if k < self._graph.leaves and self._true_nodes[k])
         return tuple(self._graph.names[k] for k in below)
 
@@ -115,8 +115,8 @@ class Search(Sets):
                     stack.append(read)
         return sorted(seen)
 
-    def _lacking(self, one: Guarantee) -> tuple[list[Group], bool]:
-        gates = self._gates_below(one.node)
+    def _lacking(self, guarantee: Guarantee) -> tuple[list[Group], bool]:
+        gates = self._gates_below(guarantee.node)
         users = Counter(read for k in gates for read in self._node(k).inputs)
         self._done = 0
         families: dict[int, _Family] = {}
@@ -132,7 +132,7 @@ class Search(Sets):
                 users[read] -= 1
                 if not users[read]:  # a long chain would else hold every set on its path
                     families.pop(read, None)
-        sets, truncated = families[one.node]
+        sets, truncated = families[guarantee.node]
         return [self._ids(bits) for _, bits in sets], truncated
 
     def _ids(self, bits: int) -> Group:
@@ -143,17 +143,17 @@ class Search(Sets):
             bits ^= 1 << top
         return tuple(ids)
 
-    def _either(self, one: _Family, other: _Family) -> _Family:
-        if not one.sets or not other.sets:
-            return other if not one.sets else one
-        return self._minimal([*one.sets, *other.sets], one.truncated or other.truncated)
+    def _either(self, first: _Family, second: _Family) -> _Family:
+        if not first.sets or not second.sets:
+            return second if not first.sets else first
+        return self._minimal([*first.sets, *second.sets], first.truncated or second.truncated)
 
-    def _both(self, one: _Family, other: _Family) -> _Family:
-        if _ALREADY in (one, other):
-            return other if one == _ALREADY else one
-        if not one.sets or not other.sets:
+    def _both(self, left: _Family, right: _Family) -> _Family:
+        if _ALREADY in (left, right):
+            return right if left == _ALREADY else left
+        if not left.sets or not right.sets:
             return _IMPOSSIBLE
-        truncated, first, second = one.truncated or other.truncated, one.sets, other.sets
+        truncated, first, second = left.truncated or right.truncated, left.sets, right.sets
         self._done += len(first) * len(second)
         if self._done > _BUDGET:
             truncated = truncated or max(len(first), len(second)) > _FEW_SETS
@@ -167,7 +167,7 @@ class Search(Sets):
         kept: list[tuple[int, int]] = []
         smaller: list[int] = []  # only a smaller set can be inside; equal ones are equal
         size_now = 0
-        for size, bits in sorted(sets, key=lambda one: (one[0], -one[1])):
+        for size, bits in sorted(sets, key=lambda row: (row[0], -row[1])):
             if kept and kept[-1][1] == bits:  # cheaper than a set: hashing reads all bits
                 continue
             if size != size_now:

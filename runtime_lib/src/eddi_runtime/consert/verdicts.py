@@ -146,7 +146,7 @@ class Explanation(NamedTuple):
         if not self.missing:
             lines.append("  nothing can activate it")
         for group in self.missing:
-            needs = [f"{one} ({self.reasons[one]})" for one in group]
+            needs = [f"{name} ({self.reasons[name]})" for name in group]
             lines += [f"  needs {' and '.join(needs)}"]
         if self.truncated:
             lines.append("  ... and more")
@@ -179,20 +179,22 @@ class Sets:
         self._not_false = {name for name, value in values if value != FALSE}
         self._missing: dict[str, tuple[list[Group], bool]] = {}
 
-    def value(self, one: Guarantee) -> int:
-        if any(map(self._true.issuperset, one.paths)):
+    def value(self, guarantee: Guarantee) -> int:
+        if any(map(self._true.issuperset, guarantee.paths)):
             return TRUE
-        return UNKNOWN if any(map(self._not_false.issuperset, one.paths)) else FALSE
+        return UNKNOWN if any(map(self._not_false.issuperset, guarantee.paths)) else FALSE
 
-    def missing(self, one: Guarantee) -> tuple[list[Group], bool]:
+    def missing(self, guarantee: Guarantee) -> tuple[list[Group], bool]:
         """Return the minimal sets of inputs that would make it TRUE, and "truncated"."""
-        if one.id not in self._missing:
-            self._missing[one.id] = ([], False) if self.value(one) == TRUE else self._lacking(one)
-        return self._missing[one.id]
+        if guarantee.id not in self._missing:
+            holds = self.value(guarantee) == TRUE
+            self._missing[guarantee.id] = ([], False) if holds else self._lacking(guarantee)
+        return self._missing[guarantee.id]
 
-    def _lacking(self, one: Guarantee) -> tuple[list[Group], bool]:
+    def _lacking(self, guarantee: Guarantee) -> tuple[list[Group], bool]:
         """Return the groups that contain no other one, by size, then by ids."""
-        rests = {tuple([name for name in path if name not in self._true]) for path in one.paths}
+        true = self._true
+        rests = {tuple([name for name in path if name not in true]) for path in guarantee.paths}
         kept: list[Group] = []
         inside: list[frozenset[str]] = []
         for group in sorted(rests, key=lambda rest: (len(rest), rest)):
@@ -202,11 +204,13 @@ class Sets:
                 inside.append(names)
         return kept, False
 
-    def single_losses(self, one: Guarantee) -> Group:
+    def single_losses(self, guarantee: Guarantee) -> Group:
         """Return the inputs whose single loss makes a TRUE guarantee not TRUE, by id."""
-        first, *others = [path for path in one.paths if self._true.issuperset(path)]
+        first, *others = [path for path in guarantee.paths if self._true.issuperset(path)]
         return tuple(sorted(set(first).intersection(*others)))
 
-    def granting(self, one: Guarantee) -> Group:
+    def granting(self, guarantee: Guarantee) -> Group:
         """Return the TRUE inputs that a guarantee can rest on."""
-        return tuple(sorted(self._true.intersection(name for path in one.paths for name in path)))
+        return tuple(
+            sorted(self._true.intersection(name for path in guarantee.paths for name in path))
+        )

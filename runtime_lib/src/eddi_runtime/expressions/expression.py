@@ -47,18 +47,18 @@ class Expression(Conditions):
         A HAZARD is True when UNKNOWN; a state is the one that is TRUE while all others are FALSE.
         """
         self.reason = ""
-        found = self.step(t, messages, {} if ages is None else ages)
+        truths = self.step(t, messages, {} if ages is None else ages)
         if self.type == "state":
-            one = found.count(2) == 1 and found.count(0) == len(found) - 1
-            return self.states[found.index(2)] if one else None
+            single = truths.count(2) == 1 and truths.count(0) == len(truths) - 1
+            return self.states[truths.index(2)] if single else None
         if self.type == "bool":
             unknown = True if self.hazard else None
-            return unknown if found[0] == 1 else found[0] == 2
-        if math.isnan(found[0]):
+            return unknown if truths[0] == 1 else truths[0] == 2
+        if math.isnan(truths[0]):
             return None
         if self.type == "float":
-            return float(found[0])
-        return round(found[0]) if math.isfinite(found[0]) else None
+            return float(truths[0])
+        return round(truths[0]) if math.isfinite(truths[0]) else None
 
     def field(
         self, messages: Mapping[str, object], word: str, path: Path, *checks: Check
@@ -74,15 +74,15 @@ class Expression(Conditions):
                     if check[0] == "unless":
                         measured = follow(message, check[1]) != check[2]
                     else:
-                        low, high = (follow(message, one) for one in check[1:])
+                        low, high = (follow(message, key) for key in check[1:])
                         measured = math.isinf(value) or low <= value <= high
                     if not measured:
                         field = ".".join(str(step) for step in check[1])
                         raise LookupError(f"no measurement, by {field} of {word}")  # noqa: TRY301
                 elif isinstance(value, list):  # of a list each that the monitor knows
-                    value = [one if one in check[1:] else None for one in value]
+                    value = [key if key in check[1:] else None for key in value]
                 else:
-                    pairs = [(one, isinstance(one, tuple)) for one in check[1:]]
+                    pairs = [(key, isinstance(key, tuple)) for key in check[1:]]
                     known = [(follow(message, k[0]), *k[1:]) if path else k for k, path in pairs]
                     value = given(value, *known)
         except NotGivenError:
@@ -106,7 +106,7 @@ class Expression(Conditions):
         before, value = self._reduced.get(number, (None, None))
         if message is None or message is not before:
             asked: Sequence[Sequence[Any]] = fields
-            raws = [self.field(messages, word, *one) for one in asked]
+            raws = [self.field(messages, word, *row) for row in asked]
             value, reason = reduced(function, raws)
             if message is not None:
                 self.reason = self.reason or reason
@@ -135,7 +135,7 @@ def gather(message: object, path: Sequence[Step]) -> list[object]:
             rest = path[k + 1 :]
             if not rest:
                 return items
-            if any(isinstance(one, (list, tuple)) and one[0] == "*" for one in rest):
+            if any(isinstance(part, (list, tuple)) and part[0] == "*" for part in rest):
                 return [value for item in items for value in gather(item, rest)]
             return [_followed(item, rest) for item in items]
     return [follow(message, path)]

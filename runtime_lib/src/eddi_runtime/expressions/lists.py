@@ -80,10 +80,10 @@ def column(raw: object, name: str, convert: Callable[[object], float] = number_o
 
 def known(values: Sequence[float], *ranges: tuple[float, float], infinite: bool) -> list[float]:
     """Return a column with NaN for what does not count."""
-    found = values if infinite else [x if x - x == 0.0 else math.nan for x in values]
+    numbers = values if infinite else [x if x - x == 0.0 else math.nan for x in values]
     for low, high in ranges:
-        found = [x if low <= x <= high or x - x != 0.0 else math.nan for x in found]
-    return list(found)
+        numbers = [x if low <= x <= high or x - x != 0.0 else math.nan for x in numbers]
+    return list(numbers)
 
 
 def limited(values: Sequence[float], low: float, high: float) -> list[float]:
@@ -95,7 +95,7 @@ def limited(values: Sequence[float], low: float, high: float) -> list[float]:
 
 def length_of(columns: Sequence[Sequence[object]], wanted: tuple[int, int] | None = None) -> int:
     """Return how many elements parallel lists have."""
-    lengths = {len(one) for one in columns}
+    lengths = {len(column) for column in columns}
     if len(lengths) > 1:
         raise Unknown(f"lists of different lengths: {sorted(lengths)}")
     (count,) = lengths

@@ -95,9 +95,9 @@ def _key(cause: Cause | None) -> object:
 
 def level_of(row: ClaimWhy) -> str:
     """Return how much attention it needs that a claim does not hold."""
-    if any(" raised " in one.text and len(one.monitors) < 2 for one in row.causes):
+    if any(" raised " in cause.text and len(cause.monitors) < 2 for cause in row.causes):
         return "error"  # a person's method, of this monitor
-    known = row.causes and all(one.state == "false" for one in row.causes)
+    known = row.causes and all(cause.state == "false" for cause in row.causes)
     return "info" if known else "warn"
 
 

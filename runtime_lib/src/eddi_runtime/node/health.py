@@ -150,7 +150,7 @@ class Health:
         for row in asked.fact.why.values():
             causes = [
                 self._of_node(cause, graph, now) if len(cause.monitors) < 2 else cause
-                for cause in (one.later(now - asked.at) for one in row.causes)
+                for cause in (moved.later(now - asked.at) for moved in row.causes)
             ]
             rows[row.id] = row._replace(causes=tuple(causes))
         return rows
@@ -206,7 +206,7 @@ class Health:
             complete = len(here) == len(spec.requires)
             of_input = asked.causes.get(spec.id, ()) if state != FRESH else ()
             later = (cause.later(now - asked.at) for cause in of_input)
-            causes = [one if one.monitors else self._of_node(one, graph, now) for one in later]
+            causes = [row if row.monitors else self._of_node(row, graph, now) for row in later]
             topics, claims = self._monitor.topics, dict(spec.claims)
             whole = [(name, "") for name in spec.requires if name not in claims]
             sources = [
@@ -240,7 +240,9 @@ class Health:
 
 def first_reasons(why: Why) -> object:
     """Return the verdict and the first reason of each claim."""
-    return [(row.id, row.verdict, *(one[:2] for one in row.causes[:1])) for row in why.values()]
+    return [
+        (row.id, row.verdict, *(cause[:2] for cause in row.causes[:1])) for row in why.values()
+    ]
 
 
 def diagnostics_tree(statuses: Sequence[Report], level: Callable[[int], object] = int) -> Tree:
@@ -305,11 +307,11 @@ class Diagnostics:
                 threading.current_thread().name = (
                     self._sources[tell] or "diagnostics"
                 )  # in the log
-                told.update((tell, one) for one in self._tried(tell, periodic))
-            reports = [one.report for one in told.values() if one.report is not None]
+                told.update((tell, answer) for answer in self._tried(tell, periodic))
+            reports = [answer.report for answer in told.values() if answer.report is not None]
             if reports:
                 self._tried(self._publish, reports)
-            self._changed.extend(tell for tell, one in told.items() if one.waits)
+            self._changed.extend(tell for tell, answer in told.items() if answer.waits)
             time.sleep(_CALM_S)
             self._waker.wait(0.0 if self._changed else due - time.monotonic())
 

@@ -174,9 +174,9 @@ class Node:
             topics.update((source.id, self.resolved(fleet.topic)) for source in fleet.sources)
         self._core.topics = topics
         why_class = self._converter.class_of("Why")
-        results = [one for one in self.OUTPUTS if not (one.field or one.of)] or self.OUTPUTS[:1]
+        results = [row for row in self.OUTPUTS if not (row.field or row.of)] or self.OUTPUTS[:1]
         if why_class is not None:
-            names = dict.fromkeys(why_topic(self.resolved(one.topic)) for one in results)
+            names = dict.fromkeys(why_topic(self.resolved(output.topic)) for output in results)
             self._publish_why = [self.advertise(Output("", name, why_class)) for name in names]
 
     def init_subscriber(self) -> None:

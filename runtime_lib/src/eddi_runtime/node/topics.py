@@ -153,7 +153,8 @@ class Silence:
         """Return each suspected source, and the seconds since its last message."""
         now = time.monotonic()
         ages = {name: now - receipt.at for name, receipt in receipts.items()}
-        return [(one, ages.get(one.id)) for one in self._sources if one.id in self.suspected]
+        suspected = [source for source in self._sources if source.id in self.suspected]
+        return [(source, ages.get(source.id)) for source in suspected]
 
     def explained(self, topics: Iterable[Topic], published: Collection[str]) -> GraphFact:
         """Return why nothing usable comes from topics without a recent message."""

@@ -112,16 +112,17 @@ class FreeHorizon:
         self._count = math.ceil(self._limit + 28.0 + 10.0 * math.sqrt(self._limit))
         self._shares = [1.0 / k for k in range(1, self._count + 1)]
         alive = [float(state < _EMPTY) for state in range(_STATES)]
-        self._terms = list(zip(self._moved([1.0 - one for one in alive]), self._moved(alive)))
+        failed = [1.0 - chance for chance in alive]
+        self._terms = list(zip(self._moved(failed), self._moved(alive)))
         self._powers: list[Matrix] = []
         self._hours = -1.0
 
     def _moved(self, column: list[float]) -> list[tuple[float, ...]]:
         """Return for each state the entries of a vector after 0, 1, 2, ... jumps."""
-        found = [column]
+        columns = [column]
         for _ in range(self._count):
-            found.append([dot(row, found[-1]) for row in self._jump])
-        return list(zip(*found))
+            columns.append([dot(row, columns[-1]) for row in self._jump])
+        return list(zip(*columns))
 
     def of(self, state: int, hours: float) -> Sequence[float]:
         """Return how probable it is to have failed, and to be alive, after hours from a state."""
@@ -138,12 +139,12 @@ class FreeHorizon:
     def _ends(self, state: int) -> list[float]:
         if not self._whole:
             return [dot(self._weights, terms) for terms in self._terms[state]]
-        row: Sequence[float] = [float(one == state) for one in range(_STATES)]
+        row: Sequence[float] = [float(part == state) for part in range(_STATES)]
         if not self._powers:  # the transitions in the longest time for which terms were made
             weights = self._poisson(self._limit)
             units = ([float(i == j) for i in range(_STATES)] for j in range(_STATES))
-            columns = [[dot(weights, one) for one in self._moved(unit)] for unit in units]
-            self._powers = [[[one / sum(row) for one in row] for row in zip(*columns)]]
+            columns = [[dot(weights, part) for part in self._moved(unit)] for unit in units]
+            self._powers = [[[part / sum(row) for part in row] for row in zip(*columns)]]
         for power in factors(self._powers, self._whole):
             row = [dot(row, column) for column in zip(*power)]
         ends = [[dot(self._weights, term) for term in terms] for terms in self._terms]

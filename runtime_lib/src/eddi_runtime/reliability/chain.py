@@ -59,7 +59,7 @@ class Chain:
         self._rows: list[Sequence[Row]] = [self.ahead]
         for _ in range(self.steps if self.grid else 0):
             failed, alive, lives = zip(*self._rows[-1])
-            after = [(min(dot(one, failed), 1.0), dot(one, alive)) for one in self.grid]
+            after = [(min(dot(row, failed), 1.0), dot(row, alive)) for row in self.grid]
             self._rows.append([(*ends, life) for ends, life in zip(after, lives)])
         self._powers: list[Matrix] = []
         self.everything = Seen(self, range(self.states))  # no input excludes a state
@@ -87,7 +87,7 @@ class Chain:
         self._belief: Belief = belief
 
     def sure_of(self, state: int) -> list[float]:
-        return [float(one == state) for one in range(self.states)]
+        return [float(k == state) for k in range(self.states)]
 
     def reset(self) -> None:
         self.believe(self.first)
@@ -114,15 +114,15 @@ class Chain:
 
     def bounded(self, seen: Seen, at: int, reason: str = "") -> Estimate:
         """Return what lies ahead if any state that is consistent may be the right one."""
-        found = seen.bounds.get(at)
-        if found is None:
+        kept = seen.bounds.get(at)
+        if kept is None:
             rows = self.rows(at)
             failed, alive, lives = zip(*([rows[state] for state in seen.states] or [_LOST]))
             # that no state is left is a failure
             lost = seen.alive and not all(completion.states for completion in seen.completions)
             worst = _LOST if lost else (max(failed), min(alive), min(lives))
-            found = seen.bounds[at] = (min(failed), *worst)
-        return Estimate(*found, seen.unknown, reason)
+            kept = seen.bounds[at] = (min(failed), *worst)
+        return Estimate(*kept, seen.unknown, reason)
 
     def step(self, moment: Moment, seen: Seen) -> Estimate:
         at = moment[4]

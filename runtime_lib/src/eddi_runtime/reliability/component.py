@@ -163,7 +163,7 @@ def _number(rule: Rule, value: Any, raw: object) -> tuple[Taken, str]:
 def _list(rule: Rule, raw: Any) -> tuple[Taken, str]:
     if isinstance(raw, (str, bytes, dict)) or not hasattr(raw, "__len__"):
         return None, "" if raw != raw else _wrong("a list", raw)  # noqa: PLR0124 - NaN
-    items = [plain(one) for one in raw]
+    items = [plain(entry) for entry in raw]
     if len(items) not in (0, rule.length):
         return None, f"{rule.length} statuses are expected, not {len(items)}"
     return [item if isinstance(item, bool) else None for item in items] or None, ""
@@ -209,12 +209,12 @@ class Explanation(NamedTuple):
     ignored: Mapping[str, int]
 
     def text(self) -> str:
-        one = self.result
-        bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
-        shown = bounds if one.p_fail_low != one.p_fail_high else ""
-        why = f"{'valid' if one.valid else 'not valid'}{f': {one.reason}' if one.reason else ''}"
-        lines = [f"p_fail {one.p_fail:.3g}{shown} within {one.horizon:g} h, {why}"]
-        lines += [f"  {name} is {'' if on else 'not '}active" for name, on in one.evidence.items()]
+        own = self.result
+        bounds = f" ({own.p_fail_low:.3g} to {own.p_fail_high:.3g})"
+        shown = bounds if own.p_fail_low != own.p_fail_high else ""
+        why = f"{'valid' if own.valid else 'not valid'}{f': {own.reason}' if own.reason else ''}"
+        lines = [f"p_fail {own.p_fail:.3g}{shown} within {own.horizon:g} h, {why}"]
+        lines += [f"  {name} is {'' if on else 'not '}active" for name, on in own.evidence.items()]
         because = {name: f": {why}" if why else "" for name, why in self.unknown.items()}
         lines += [f"  {name} is unknown{why}" for name, why in because.items()]
         lines += [f"  {name}: {why}" for name, why in self.faults.items() if name in self.known]
@@ -239,15 +239,15 @@ def factors(powers: list[Matrix], quanta: int) -> Iterator[Matrix]:
             columns = list(zip(*powers[-1]))
             square = [[dot(row, column) for column in columns] for row in powers[-1]]
             powers.append(
-                [[one / whole for one in row] for row, whole in zip(square, map(sum, square))]
+                [[p / whole for p in row] for row, whole in zip(square, map(sum, square))]
             )
         if quanta >> bit & 1:
             yield powers[bit]
 
 
-def dot(one: Sequence[float], other: Sequence[float]) -> float:
+def dot(left: Sequence[float], right: Sequence[float]) -> float:
     """Return the sum of products."""
-    total: float = sum(map(mul, one, other))
+    total: float = sum(map(mul, left, right))
     return total
 
 

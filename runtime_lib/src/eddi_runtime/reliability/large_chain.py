@@ -65,17 +65,17 @@ class LargeChain(Chain):
         self.reset()
 
     def rows(self, at: int) -> list[Row]:
-        found = self._found.get(at)
-        if found is None:
+        rows_at = self._found.get(at)
+        if rows_at is None:
             failed, alive = np.minimum(self._looks[at][:, :2], 1.0).T.tolist()
-            found = self._found[at] = list(zip(failed, alive, self._tau.tolist()))
-        return found
+            rows_at = self._found[at] = list(zip(failed, alive, self._tau.tolist()))
+        return rows_at
 
     def weights(self) -> Belief:
         self._propagate(self._place, self._seen)
         self._place, self._block = 0, []
-        found: list[float] = self._now.tolist()
-        return found
+        numbers: list[float] = self._now.tolist()
+        return numbers
 
     def believe(self, belief: Belief) -> None:
         self._place, self._block = 0, []
@@ -86,15 +86,15 @@ class LargeChain(Chain):
         super().reset()
 
     def look(self, belief: Belief, at: int) -> Look:
-        found: list[float] = np.dot(belief, self._looks[at]).tolist()
-        return found
+        numbers: list[float] = np.dot(belief, self._looks[at]).tolist()
+        return numbers
 
     def after(self, beliefs: list[Belief], quanta: int) -> list[Belief]:
         moved = np.array(beliefs)
         for power in self._factors(quanta, self.everything):
             moved = moved @ power
-        found: list[Belief] = moved.tolist()
-        return found
+        rows: list[Belief] = moved.tolist()
+        return rows
 
     def moved(self, quanta: int, at: int, seen: Seen) -> Look:
         place = self._place + quanta
@@ -131,8 +131,8 @@ class LargeChain(Chain):
 
     def _prepared(self, seen: Seen) -> tuple[list[np.ndarray], np.ndarray | None, np.ndarray]:
         """Return powers of one quantum with what is seen, looks ahead in the next steps, mask."""
-        found = self._matrices.get(seen)
-        if found is None:
+        matrix = self._matrices.get(seen)
+        if matrix is None:
             if len(self._matrices) > _KEPT:
                 self._matrices.clear()
             mask, block, step = np.array(seen.mask), None, self._step
@@ -142,8 +142,8 @@ class LargeChain(Chain):
                     range(_BLOCK - 1), lambda a, _: step @ a, initial=self._looks[0]
                 )
                 block = np.concatenate(list(looks), axis=1)
-            found = self._matrices[seen] = [step], block, mask
-        return found
+            matrix = self._matrices[seen] = [step], block, mask
+        return matrix
 
 
 def _squared(power: np.ndarray, *, whole: bool = True) -> np.ndarray:

@@ -39,7 +39,7 @@ class LargeTree(FaultTree):
 def _layers(module: Module) -> list[tuple[int, slice, np.ndarray, np.ndarray]]:
     """Return each variable with the place of its nodes, and what is above and below each."""
     layers, start = [], 2
-    for variable, nodes in groupby(module[0], key=lambda one: one[0]):
+    for variable, nodes in groupby(module[0], key=lambda row: row[0]):
         _, high, low = np.array(list(nodes)).T
         layers.append((variable, slice(start, start + len(high)), high, low))
         start += len(high)

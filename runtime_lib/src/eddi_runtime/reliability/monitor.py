@@ -86,12 +86,12 @@ class Reliability(Monitor[ReliabilityResult]):
         self._result = self._nothing("not started")._replace(evidence={})
         for component in self.components.values():
             component.reset()
-        for one in self._evidence:
-            one.reset()
+        for judge in self._evidence:
+            judge.reset()
 
     def _nothing(self, reason: str) -> ReliabilityResult:
         """Return the worst case."""
-        off = {one.id: False for one in self._evidence}
+        off = {evidence.id: False for evidence in self._evidence}
         numbers = (False, 1.0, 0.0, 1.0, 0.0, NAN, self.horizon)
         return ReliabilityResult(*numbers, off, (), reason, {})
 
@@ -136,11 +136,11 @@ class Reliability(Monitor[ReliabilityResult]):
         usable, best = valid or (self.worst_case and not reason), -math.inf if reason else low
         # loops, not comprehensions: those cost a call each before Python 3.12
         contributions: dict[str, float] = {}
-        for name, found in known.items():
-            contributions[name] = found[1]
+        for name, result in known.items():
+            contributions[name] = result[1]
         evidence: dict[str, bool] = {}
-        for one in self._evidence:
-            evidence[one.id] = one.step(self._last, high, usable=usable, best=best)
+        for threshold in self._evidence:
+            evidence[threshold.id] = threshold.step(self._last, high, usable=usable, best=best)
         numbers = (valid, high, low, high, alive, mttf, moment[3])
         fields = (*numbers, evidence, unknown, told, contributions)
         self._result = _new(ReliabilityResult, fields)
@@ -174,13 +174,13 @@ class Reliability(Monitor[ReliabilityResult]):
         return "mission_end is above mission_time"
 
     def doubts(self) -> tuple[str, ...]:
-        one = self._result
+        result = self._result
         decides = [
             own.threshold.activate
             for own in self._evidence
-            if not own.active and one.p_fail_low <= own.threshold.activate < one.p_fail_high
+            if not own.active and result.p_fail_low <= own.threshold.activate < result.p_fail_high
         ]
-        return (one.reason,) if one.valid and one.reason and decides else ()
+        return (result.reason,) if result.valid and result.reason and decides else ()
 
     def importances(self) -> tuple[Importance, ...]:
         return self.components[self.top].importances()
@@ -188,7 +188,7 @@ class Reliability(Monitor[ReliabilityResult]):
     def explain(self) -> Explanation:
         """Explain the last result: what is known, what is not, and what matters most."""
         faults, result = self._faults, self._result
-        shares = sorted(result.contributions.items(), key=lambda one: (-one[1], one[0]))
+        shares = sorted(result.contributions.items(), key=lambda item: (-item[1], item[0]))
         return Explanation(
             result,
             {k: v for k, v in self._taken.items() if v is not None and k not in result.unknown},
@@ -196,7 +196,7 @@ class Reliability(Monitor[ReliabilityResult]):
             dict(faults),
             tuple(share for share in shares if share[0] != self.top or len(shares) == 1),
             self.importances() if result.contributions else (),
-            {name: one.latched for name, one in self.components.items() if one.latched},
+            {name: item.latched for name, item in self.components.items() if item.latched},
         )
 
     def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
@@ -219,7 +219,7 @@ class Reliability(Monitor[ReliabilityResult]):
         if isinstance(output, ReliabilityResult):
             given = output
         # what may hold although it is not active
-        open_ = [one.id for one in self._evidence if one.possible and not one.active]
+        open_ = [row.id for row in self._evidence if row.possible and not row.active]
         pairs = given.evidence.items()
         rows: list[Tree] = [("ReliabilityEvidence", {"id": k, "active": on}) for k, on in pairs]
         return "ReliabilityOutput", {
@@ -238,15 +238,16 @@ class Reliability(Monitor[ReliabilityResult]):
         }
 
     def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
-        for one in self._evidence:
-            verdict = TRUE if one.active else UNKNOWN if one.possible else FALSE
-            yield one.id, verdict, () if one.active else self._causes(one)
+        for evidence in self._evidence:
+            verdict = TRUE if evidence.active else UNKNOWN if evidence.possible else FALSE
+            yield evidence.id, verdict, () if evidence.active else self._causes(evidence)
 
-    def _causes(self, one: Evidence) -> list[Cause]:
-        result, limit = self._result, one.threshold.activate
+    def _causes(self, evidence: Evidence) -> list[Cause]:
+        result, limit = self._result, evidence.threshold.activate
         low, high, tail = result.p_fail_low, result.p_fail_high, f"limit {figure(limit)}"
-        if not one.possible:
-            text, since = f"p_fail {figure(low)} for {{since}}, {tail}", self._lasting(one.lost)
+        if not evidence.possible:
+            text = f"p_fail {figure(low)} for {{since}}, {tail}"
+            since = self._lasting(evidence.lost)
             return [Cause((), "false", text, since=since, limit=limit)]
         trouble = "" if result.reason == _UNKNOWN_INPUTS else result.reason
         if not result.valid and (trouble or not self.worst_case):
@@ -257,8 +258,8 @@ class Reliability(Monitor[ReliabilityResult]):
         if not high <= limit:
             text = f"p_fail {figure(high)}, {tail}"
             return [Cause((), "window", text, limit=limit, detail=trouble)]
-        hold = one.threshold.hold_ns / 1e9
-        return [Cause((), "hold", TEXTS["hold"], since=self._lasting(one.since), limit=hold)]
+        hold = evidence.threshold.hold_ns / 1e9
+        return [Cause((), "hold", TEXTS["hold"], since=self._lasting(evidence.since), limit=hold)]
 
     def faults(self) -> dict[str, str]:
         return dict(self._faults)

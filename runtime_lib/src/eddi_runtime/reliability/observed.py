@@ -27,27 +27,28 @@ class Missed:
         moved = self._chain.after(self.beliefs, moment.quanta)
         kept: list[Belief] = []
         reason = INCONSISTENT
-        for one in seen.completions:
-            beliefs = self._left(moved, one)
+        for completion in seen.completions:
+            beliefs = self._left(moved, completion)
             reason = "" if beliefs else reason
             # what is believed after an observation that leaves nothing, too
-            kept += hull(beliefs) if beliefs else [self._chain.sure_of(one.worst)]
+            kept += hull(beliefs) if beliefs else [self._chain.sure_of(completion.worst)]
         self.beliefs = hull(kept)
-        self.lost = any(one.fatal or (self.lost and not one.alive) for one in seen.completions)
+        lost = self.lost
+        self.lost = any(row.fatal or (lost and not row.alive) for row in seen.completions)
         if seen.unknown:
             return self._chain.bounded(seen, moment.at, reason)
         return self._chain.bounds(self.beliefs, moment.at, reason)
 
-    def _left(self, moved: list[Belief], one: Seen) -> list[Belief]:
+    def _left(self, moved: list[Belief], completion: Seen) -> list[Belief]:
         """Return the beliefs that an observation leaves, each with a weight of one."""
         left: list[Belief] = []
         for belief in moved:
-            kept = list(map(mul, belief, one.mask))
+            kept = list(map(mul, belief, completion.mask))
             weight = sum(kept)
             if weight > 0.0:
                 left.append(list(map(truediv, kept, repeat(weight))))
-        if self.lost and (self._repair or not one.alive):  # it was repaired, or is still down
-            left.append(self._chain.sure_of(one.worst))
+        if self.lost and (self._repair or not completion.alive):  # repaired, or still down
+            left.append(self._chain.sure_of(completion.worst))
         return left
 
 
@@ -63,25 +64,25 @@ def hull(beliefs: list[Belief]) -> list[Belief]:
     rest = max([sum(map(sub, belief, least)) for belief in beliefs])
     whole = sum(least) + rest
     common = [value / whole for value in least]
-    found: list[Belief] = []
+    kept: list[Belief] = []
     for corner in corners:
         belief = common[:]
         belief[corner] = (least[corner] + rest) / whole
-        found.append(belief)
-    return found
+        kept.append(belief)
+    return kept
 
 
 def independent(possible: Iterable[AbstractSet[int]]) -> list[frozenset[int]]:
     """Return the sets of states that are not made of smaller ones without overlap."""
-    found: list[frozenset[int]] = []
-    for whole in sorted(map(frozenset, possible), key=lambda one: (len(one), sorted(one))):
+    parts: list[frozenset[int]] = []
+    for whole in sorted(map(frozenset, possible), key=lambda group: (len(group), sorted(group))):
         rest = whole
-        for part in found:
+        for part in parts:
             if part <= rest:
                 rest -= part
         if rest or not whole:
-            found.append(whole)
-    return found
+            parts.append(whole)
+    return parts
 
 
 KEPT = 64  # how many different observations of a chain are kept
@@ -130,11 +131,11 @@ class MarkovChain(Component):
         if self._repair:
             if seen.unknown:
                 return self._bounded(moment, seen)
-            found = self.chain.step(moment, seen)
+            result = self.chain.step(moment, seen)
             if not seen.alive:
-                return found
+                return result
             self._lost = False  # without weight, but no contradiction: it was repaired
-            return found._replace(reason="")
+            return result._replace(reason="")
         if not seen.alive:
             return sure(1.0, 0.0, 0.0)
         self.latched += 1
@@ -156,13 +157,13 @@ class MarkovChain(Component):
         self._vague = True
         missed = self._missed or Missed(self.chain, lost=self._lost, repair=self._repair)
         self._missed = missed
-        found = missed.step(moment, seen)
+        result = missed.step(moment, seen)
         self._lost = False  # if so, `missed` knows
         if seen.fatal or len(missed.beliefs) == 1:
             self._forget()
             self._lost = seen.fatal or missed.lost
             self.chain.believe(missed.beliefs[0])
-        return found
+        return result
 
     def _see(self, verdicts: tuple[Any, ...]) -> Seen:
         given = dict(zip(self._names, verdicts))
@@ -177,7 +178,7 @@ class MarkovChain(Component):
         seen = Seen(self.chain, consistent)
         seen.unknown = unknown
         possible = independent(parts)
-        seen.completions = tuple(Seen(self.chain, one) for one in possible if few or not one)
+        seen.completions = tuple(Seen(self.chain, group) for group in possible if few or not group)
         if len(self._seen) >= KEPT:
             self._seen.clear()
         self._seen[verdicts] = seen

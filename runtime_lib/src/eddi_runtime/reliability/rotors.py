@@ -43,13 +43,13 @@ class Propulsion(Component):
         statuses = self._statuses(values)
         if statuses != self._last:
             self._take(values, statuses)
-        found = self._found.get(moment[4])
-        if found is None:
+        kept = self._found.get(moment[4])
+        if kept is None:
             rows = self._rows(moment.at)
             failed, alive, lives = zip(*[rows[state] for state in self._states])
             bounds = min(failed), max(failed), min(alive), min(lives)
-            found = self._found[moment.at] = Estimate(*bounds, self._unknown)
-        return found
+            kept = self._found[moment.at] = Estimate(*bounds, self._unknown)
+        return kept
 
     def _take(self, values: Values, statuses: tuple[Any, ...]) -> None:
         latched = self.latched
@@ -68,8 +68,8 @@ class Propulsion(Component):
         # a claim that something works again is counted each time
         self._last = statuses if latched == self.latched else None
         self._unknown = tuple(dict.fromkeys(unknown))
-        down = {motor for motor, one in enumerate(failed) if one}
-        maybe = {motor for motor, one in enumerate(failed) if one is not False}
+        down = {motor for motor, state in enumerate(failed) if state}
+        maybe = {motor for motor, state in enumerate(failed) if state is not False}
         self._states = [k for k, those in enumerate(self._sets) if down <= those <= maybe]
         if len(self._states) < 2 ** (len(maybe) - len(down)):  # some completion does not fly
             self._states.append(len(self._sets))

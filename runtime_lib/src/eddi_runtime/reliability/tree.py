@@ -122,8 +122,8 @@ class FaultTree(Component):
         if not q:
             return ()
         total = self.failure(q)
-        found = [self._importance(i, q, total) for i in range(len(self.names))]
-        return tuple(sorted(found, key=lambda one: (-one.criticality, one.event)))
+        rows = [self._importance(i, q, total) for i in range(len(self.names))]
+        return tuple(sorted(rows, key=lambda row: (-row.criticality, row.event)))
 
     def _importance(self, i: int, q: list[float], total: float) -> Importance:
         p = q[i]

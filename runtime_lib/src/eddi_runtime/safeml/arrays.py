@@ -38,8 +38,9 @@ class Backend:
     def ranks(self, rows: Array, values: Array, *, equal: bool) -> Array:
         """Count (K, q) in each ascending row (K, n) what is below each value of the same row."""
         side = "right" if equal else "left"
-        found = [self._module.searchsorted(row, one, side=side) for row, one in zip(rows, values)]
-        return self._module.stack(found).astype(self._module.int64)
+        search = self._module.searchsorted
+        places = [search(row, given, side=side) for row, given in zip(rows, values)]
+        return self._module.stack(places).astype(self._module.int64)
 
 
 NUMPY = Backend()  # the backend that is always there
@@ -140,14 +141,14 @@ def take(value: object, features: int, *, single: bool) -> Taken:
     faults: list[str] = []
     for message in _messages(value):
         try:
-            found = _array(message)
+            samples = _array(message)
         except Exception as problem:  # noqa: BLE001, PERF203 - any object may come
             known = isinstance(problem, _NoNumbersError)
             name = str(problem) if known else type(problem).__name__
             faults.append(f"{'numbers are expected, not' if known else 'it is no array:'} {name}")
             taken.bad.append(WRONG_LENGTH)
         else:
-            _sort_out(rounded(found, single=single), features, taken, faults)
+            _sort_out(rounded(samples, single=single), features, taken, faults)
     return taken._replace(fault=faults[0] if faults else "")
 
 
@@ -182,27 +183,27 @@ def _array(message: Any) -> Any:
         if any(issubclass(type_name, (list, tuple, np.ndarray)) for type_name in types):
             raise _NoNumbersError("lists in a list")
         if bytes in types:  # each is a ``byte``, in rclpy
-            message = [plain(one) for one in message]
-    found = np.asarray(message)
-    if found.dtype.kind == "b":
+            message = [plain(item) for item in message]
+    array = np.asarray(message)
+    if array.dtype.kind == "b":
         raise _NoNumbersError("Booleans")
-    if found.dtype.kind not in "fiu" or (found.ndim > 2 and found.size):
+    if array.dtype.kind not in "fiu" or (array.ndim > 2 and array.size):
         raise _NoNumbersError(of)
-    found = found.astype(np.float64)
-    return found if shape is None else found.reshape(shape)
+    array = array.astype(np.float64)
+    return array if shape is None else array.reshape(shape)
 
 
-def _sort_out(found: Array, features: int, taken: Taken, faults: list[str]) -> None:
-    if found.size == 0:
+def _sort_out(samples: Array, features: int, taken: Taken, faults: list[str]) -> None:
+    if samples.size == 0:
         taken.bad.append(EMPTY)
         faults.append("the message is empty")
         return
-    if found.ndim == 2 and found.shape[1] == features:
-        rows = list(found)
-    elif found.size == features:
-        rows = [found.reshape(-1)]  # one sample that has a shape of its own, such as an image
+    if samples.ndim == 2 and samples.shape[1] == features:
+        rows = list(samples)
+    elif samples.size == features:
+        rows = [samples.reshape(-1)]  # one sample that has a shape of its own, such as an image
     else:
-        count, length = found.shape if found.ndim == 2 else (1, found.size)
+        count, length = samples.shape if samples.ndim == 2 else (1, samples.size)
         taken.bad.extend([WRONG_LENGTH] * count)
         shown = f"{length} value{'s' if length != 1 else ''}"
         faults.append(
@@ -226,8 +227,8 @@ class Axes:
     """
 
     def __init__(self, numbers: Numbers, floor: float | None = None) -> None:
-        found = array_of(numbers)
-        self.centre, self.scale, self.vectors = found[0], found[1], found[2:]
+        array = array_of(numbers)
+        self.centre, self.scale, self.vectors = array[0], array[1], array[2:]
         self._floor = floor
         names = [f"component {k}" for k in range(len(self.vectors))]
         self.labels = tuple(names if floor is None else [*names, "residual"])
@@ -236,12 +237,12 @@ class Axes:
         """Return the value of each test (K,) for one sample (d,); too large ones are infinite."""
         with np.errstate(over="ignore", invalid="ignore"):
             centred = (sample - self.centre) / self.scale
-            found = self.vectors @ centred
+            tests = self.vectors @ centred
             if self._floor is not None:
-                rest = centred - found @ self.vectors
+                rest = centred - tests @ self.vectors
                 size = float(np.sqrt(rest @ rest))
-                found = np.append(found, size if size >= self._floor else 0.0)
-        return found if np.isfinite(found).all() else np.where(np.isnan(found), np.inf, found)
+                tests = np.append(tests, size if size >= self._floor else 0.0)
+        return tests if np.isfinite(tests).all() else np.where(np.isnan(tests), np.inf, tests)
 
     def series(self, rows: Array) -> Array:
         """Return the values of many samples, (K, rows); one by one, see the class."""

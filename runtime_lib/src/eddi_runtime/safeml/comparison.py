@@ -172,21 +172,21 @@ class AndersonDarling:
         rows = self._backend.array(np.arange(count, dtype=np.int64).reshape((*shape, 1)))
         # one ascending sequence of all rows: ranks reach from 0 to n
         apart = rows * (self._n + 2)
-        found = self._backend.positions((ranks + apart).reshape(-1), bounds + apart)
-        return found - rows * self._m
+        places = self._backend.positions((ranks + apart).reshape(-1), bounds + apart)
+        return places - rows * self._m
 
 
 def _tied_groups(reference: Array) -> tuple[Array, Array]:
     """Return what is below each repeated value of a row, and how often it is there: (K, Q)."""
-    found = []
+    groups = []
     for row in reference:
         bounds = np.flatnonzero(np.concatenate([[True], row[1:] != row[:-1], [True]]))
         sizes = np.diff(bounds)
-        found.append((bounds[:-1][sizes > 1], sizes[sizes > 1]))
-    longest = max(len(sizes) for _, sizes in found)
-    below = np.zeros((len(found), longest), dtype=np.int64)
-    size = np.ones((len(found), longest), dtype=np.int64)
-    for k, (starts, sizes) in enumerate(found):
+        groups.append((bounds[:-1][sizes > 1], sizes[sizes > 1]))
+    longest = max(len(sizes) for _, sizes in groups)
+    below = np.zeros((len(groups), longest), dtype=np.int64)
+    size = np.ones((len(groups), longest), dtype=np.int64)
+    for k, (starts, sizes) in enumerate(groups):
         below[k, : len(starts)] = starts
         size[k, : len(sizes)] = sizes
     return below, size
@@ -326,8 +326,8 @@ class Window:
         comparison = self._comparison
         counts = comparison.counts(self._values) if self._equal else None
         upper = self._upper if self._tied else None
-        found = comparison.of_ranks(self._lower, upper, counts)
-        return comparison.backend.numpy(found)
+        numbers = comparison.of_ranks(self._lower, upper, counts)
+        return comparison.backend.numpy(numbers)
 
 
 def _look_up(comparison: Comparison) -> Callable[[Array], _Ranks]:

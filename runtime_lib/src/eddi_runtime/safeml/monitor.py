@@ -202,7 +202,7 @@ class SafeML(Monitor[SafeMLResult]):
             weights = () if self.axes is None else tuple(self.axes.weights(test))
             facts = (value, self._value, violated, self.tail(value), weights)
             tests.append(OneTest(test, self.labels[test], *facts))
-        return tuple(sorted(tests, key=lambda one: -one.statistic))
+        return tuple(sorted(tests, key=lambda row: -row.statistic))
 
     def as_json(self, output: SafeMLResult) -> Mapping[str, bool | int | float | str | None]:
         return {name: finite(value) for name, value in output._asdict().items()}

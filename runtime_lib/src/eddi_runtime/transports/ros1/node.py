@@ -105,7 +105,8 @@ def _connected(subscriber: Any) -> bool:
     connections = [*(getattr(subscriber.impl, "connections", None) or ())]
     # one that was refused has no other end
     ends = [
-        (getattr(one, "socket", one), *getattr(one, "remote_endpoint", ())) for one in connections
+        (getattr(link, "socket", link), *getattr(link, "remote_endpoint", ()))
+        for link in connections
     ]
     return any(None not in end for end in ends)
 
