@@ -164,17 +164,18 @@ class _Reader:
             actions = self._add(state, "OnEntry", each)
             for item in self._get(fields, "onentry", list, []):
                 parts = self._object(item, "an action", "function")  # whatever its `type`
-                names = {key: self._get(parts, key, str, "") for key in ("name", "function")}
+                function = self._get(parts, "function", str, "")
+                names = {"name": self._get(parts, "name", str, function), "function": function}
                 self._add(actions, "FunctionAction", item, **names)
         transitions = self._add(machine, "Transitions", value)
         for each in self._get(entries, "transitions", list, []):
             fields = self._object(each, "a transition", "from", "to")
-            names = {"name": self._get(fields, "name", str, "")}
-            transition = self._add(transitions, "Transition", each, **names)
+            ends = {key: self._get(fields, key, str, "") for key in ("from", "to")}
+            name = self._get(fields, "name", str, " -> ".join(ends.values()))
+            transition = self._add(transitions, "Transition", each, name=name)
             for key, tag in (("from", "fromState"), ("to", "toState")):
                 if key in fields:
-                    end = self._get(fields, key, str, "")
-                    self._add(transition, tag, fields[key][1], name=end)
+                    self._add(transition, tag, fields[key][1], name=ends[key])
             triggers = self._add(transition, "triggers", each)
             texts = self._get(fields, "trigger", str, "").split(";")
             for text in filter(None, map(str.strip, texts)):

@@ -62,7 +62,8 @@ def changes(play: Playback) -> Iterator[str]:
             continue
         last[monitor.name] = state
         values = {**running.series(output), **decided}
-        text = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
+        named = [(k, value) for k, value in values.items() if k not in running.unlogged]
+        text = "  ".join(f"{name} {_shown(value)}" for name, value in named)
         if reason and not hasattr(running, "omission") and (reason != _ONLY_INPUTS or not whys):
             text += f"  {reason}" if getattr(output, "valid", False) else f"  not valid: {reason}"
         name = f"{monitor.name}: " if monitor.name else ""

@@ -102,6 +102,7 @@ def test_a_silent_input_takes_claims_away_and_nothing_of_itself_brings_them_back
     output = robot.step(4, silent)
     assert (output.possible, output.failed) == (("Ready", "Halted"), 1)
     assert output.evidence == {"NotFailed": False, "FullSpeed": False}
+    assert robot.monitor.series(output)["state"] == "Ready or Halted"
     text = "no message yet, 4.0 s after the start (perhaps in Halted for 0.0 s)"
     assert robot.why("NotFailed") == f"NotFailed <- {FAULT} <- /fault: {text}"
     output = robot.step(5, QUIET)

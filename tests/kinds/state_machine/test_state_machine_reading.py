@@ -160,3 +160,13 @@ def test_text_that_is_no_utf_8_is_not_kept() -> None:
     with pytest.raises(EddiError) as refused:
         model.write()
     assert [problem.case for problem in refused.value.problems] == ["G004.unsaid"]
+
+
+def test_json_without_names_is_told_by_ends_and_functions() -> None:
+    states = '"states": [{"name": "A", "onentry": [{"function": "go"}]}]'
+    transitions = '"transitions": [{"from": "A", "to": "A", "trigger": "again"}]'
+    (model,) = read_models(Source("m.json", f"{{{states}, {transitions}}}".encode())).models
+    assert {(linked.id, linked.links[0].name) for linked in model.links.values()} == {
+        ("A", "go"),
+        ("A -> A", "Condition=again (again)"),
+    }

@@ -184,8 +184,8 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
 
     def series(self, output: StateMachineOutput) -> Mapping[str, Value]:
         states = {name: _VERDICTS[verdict] for name, verdict in output.in_state.items()}
-        failed = _VERDICTS[output.failed]
-        return {"state": output.state or None, "failed": failed, **states, **output.evidence}
+        state, failed = " or ".join(output.possible), _VERDICTS[output.failed]
+        return {"state": state, "failed": failed, **states, **output.evidence}
 
     def message(self, output: object) -> Tree:
         given = output if type(output) is StateMachineOutput else None
