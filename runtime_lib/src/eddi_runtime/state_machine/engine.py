@@ -50,26 +50,26 @@ class Engine:
     def __init__(self, machine: StateMachine) -> None:
         self._machine = machine
         rows, count = [*enumerate(machine.transitions)], range(len(machine.states))
-        self._leaving = [[n for n, one in rows if one.source == state] for state in count]
+        self._leaving = [[n for n, row in rows if row.source == state] for state in count]
         self._raises: dict[RaisedAction, int] = {}  # which trigger it fires
-        self._on_entry = [self._due(one.id, "entry", one.entry) for one in machine.states]
-        self._on_exit = [self._due(one.id, "exit", one.exit) for one in machine.states]
+        self._on_entry = [self._due(row.id, "entry", row.entry) for row in machine.states]
+        self._on_exit = [self._due(row.id, "exit", row.exit) for row in machine.states]
         self.reset()
 
     def _due(self, state: str, moment: str, numbers: Sequence[int]) -> Due:
         made: list[RaisedAction] = []
-        for one in (self._machine.actions[k] for k in numbers):
-            row = (state, moment, one.kind, one.text, one.target, one.priority)
+        for action in (self._machine.actions[k] for k in numbers):
+            row = (state, moment, action.kind, action.text, action.target, action.priority)
             made.append(RaisedAction(*row, certain=True))
-            if one.raises >= 0:
-                self._raises[made[-1]] = one.raises
+            if action.raises >= 0:
+                self._raises[made[-1]] = action.raises
         return tuple(made)
 
     def reset(self) -> None:
         """Forget everything of former steps."""
         triggers, unknown = self._machine.triggers, self._machine.start == "unknown"
         begun = UNKNOWN if unknown else FALSE
-        self._latched = {k: begun for k, one in enumerate(triggers) if one.persistent}
+        self._latched = {k: begun for k, trigger in enumerate(triggers) if trigger.persistent}
         self._raised: dict[int, int] = {}  # trigger -> its value by the actions of the last step
         self.last: int | None = None  # time of the last step
         self.occupied: dict[int, Occupied] = {}  # by state
@@ -89,7 +89,7 @@ class Engine:
     ) -> StateMachineOutput:
         """Take one step; the result has no id, and no inputs."""
         states, before, reasons = self._machine.states, [*self.occupied], []
-        initial = {k: Occupied(t, t) for k, one in enumerate(states) if one.initial}
+        initial = {k: Occupied(t, t) for k, state in enumerate(states) if state.initial}
         everywhere = {k: Occupied(_EVER, t) for k in range(len(states))}
         self._touched: set[RaisedAction] = set()  # on any way
         if self.last is None:
@@ -99,10 +99,10 @@ class Engine:
         elif t < self.last:
             reasons.append("clock")
             rows = self.occupied.items()
-            self.occupied = {k: one._replace(earliest=_EVER, latest=t) for k, one in rows}
+            self.occupied = {k: stay._replace(earliest=_EVER, latest=t) for k, stay in rows}
         elif t - self.last > self._machine.max_gap:  # anything may have happened meanwhile
             reasons.append("gap")
-            self._latched = {k: max(one, UNKNOWN) for k, one in self._latched.items()}
+            self._latched = {k: max(held, UNKNOWN) for k, held in self._latched.items()}
             self._raised = dict.fromkeys(self._raised, UNKNOWN)  # heard in the gap, or only now
             self.values = [UNKNOWN] * len(self._machine.triggers)
             self._move(self.last, t, missed=True)
@@ -111,7 +111,7 @@ class Engine:
         if reset != FALSE:
             reasons.append("reset")
             kept = {} if reset == TRUE else self.occupied
-            both = {k: one.met(kept[k]) for k, one in initial.items() if k in kept}
+            both = {k: stay.met(kept[k]) for k, stay in initial.items() if k in kept}
             self.occupied = {**kept, **initial, **both}
         livelock = self._move(t, t)
         reasons += ["livelock"] if livelock else []
@@ -121,22 +121,25 @@ class Engine:
         if not occupied:
             reasons.append("inconsistent")
             occupied = {k: everywhere[k] for k in allowed or everywhere}
-        performed = () if livelock else common([one.due for one in occupied.values()])
-        for k, one in occupied.items():
-            occupied[k] = one._replace(due=tuple([due for due in one.due if due not in performed]))
+        performed = () if livelock else common([stay.due for stay in occupied.values()])
+        for k, stay in occupied.items():
+            left = tuple([action for action in stay.due if action not in performed])
+            occupied[k] = stay._replace(due=left)
         maybe = sorted(self._touched.difference(performed))
-        raised = {self._raises[one]: UNKNOWN for one in maybe if one in self._raises}
-        sure = {self._raises[one]: TRUE for one in performed if one in self._raises}
+        raises = self._raises
+        raised = {raises[action]: UNKNOWN for action in maybe if action in raises}
+        sure = {raises[action]: TRUE for action in performed if action in raises}
         self._raised = {**raised, **sure}
         self.last, self.occupied = t, occupied
-        rows_of_step = (*performed, *[one._replace(certain=False) for one in maybe])
+        rows_of_step = (*performed, *[action._replace(certain=False) for action in maybe])
         return self._output(before, rows_of_step, reasons)
 
     def _read(self, values: Sequence[int], reset: int) -> list[int]:
         """Return the triggers as they count now: raised, excused, latched."""
         pairs = [*enumerate(self._machine.triggers)]
-        read = [self._raised.get(k, FALSE) if one.raised else values[k] for k, one in pairs]
-        self.excused = tuple([k for k, one in pairs if one.absent and read[k] == UNKNOWN])
+        raised = self._raised
+        read = [raised.get(k, FALSE) if trigger.raised else values[k] for k, trigger in pairs]
+        self.excused = tuple([k for k, trigger in pairs if trigger.absent and read[k] == UNKNOWN])
         for k in self.excused:
             read[k] = FALSE
         for k, held in self._latched.items():
@@ -158,7 +161,7 @@ class Engine:
             begun = self.good_since.setdefault(claim.id, now) if good else now
             evidence[claim.id] = good and now - begun >= claim.hold
         names, failed = tuple([states[k].id for k in possible]), [states[k].fail for k in possible]
-        in_state = {one.id: _verdict([one.id == name for name in names]) for one in states}
+        in_state = {row.id: _verdict([row.id == name for name in names]) for row in states}
         claims, since = (in_state, evidence), (now - self.since) / 1e9
         rest = (names, _verdict(failed), since, *claims, raised, (), tuple(reasons))
         made = StateMachineOutput("", only, *rest)
@@ -175,11 +178,13 @@ class Engine:
         self._low, self._high, self._missed, livelock = low, high, missed, False
         ends: dict[int, Occupied] = {}
 
-        def end(state: int, one: Occupied, due: Due) -> None:
-            one = one._replace(due=due)
-            ends[state] = ends[state].met(one) if state in ends else one
+        def end(state: int, stay: Occupied, due: Due) -> None:
+            stay = stay._replace(due=due)
+            ends[state] = ends[state].met(stay) if state in ends else stay
 
-        firsts = {k: self._options(k, one, first=True) for k, one in sorted(self.occupied.items())}
+        firsts = {
+            k: self._options(k, part, first=True) for k, part in sorted(self.occupied.items())
+        }
         if not any(firsts.values()):
             self.occupied = {k: self.occupied[k] for k in firsts}
             return False
@@ -191,7 +196,7 @@ class Engine:
         for group in groups + [[k] for k in firsts if firsts[k] != later[k]]:
             options = {**dict(enumerate(later)), **{k: firsts[k] for k in group}}
             begun = {k: self.occupied[k] for k in group}
-            entered = self._entered({k: one.due for k, one in begun.items()}, options)
+            entered = self._entered({k: part.due for k, part in begun.items()}, options)
             certain: dict[int, int] = {}  # state -> where it is sure to lead
             for state in {**begun, **entered}:
                 sides = [of[state] for of in (begun, entered) if state in of]
@@ -199,15 +204,15 @@ class Engine:
                     target = self._machine.transitions[way.transition].target
                     if target != state and way.verdict == TRUE:
                         certain[state] = target
-                    for one in sides if target == state else ():  # this ends the move
-                        end(state, new._replace(ways=(way,)), self._hop(one.due, state, state))
+                    for part in sides if target == state else ():  # this ends the move
+                        end(state, new._replace(ways=(way,)), self._hop(part.due, state, state))
                 stays = all(way.verdict != TRUE for way in options[state])
                 circle = None if stays else self._entered({state: ()}, options).get(state)
-                for one in sides:
+                for part in sides:
                     if stays:
-                        end(state, one, one.due)
+                        end(state, part, part.due)
                     elif circle is not None:
-                        before = [due for due in one.due if due not in circle.due]
+                        before = [due for due in part.due if due not in circle.due]
                         end(state, circle, (*before, *circle.due))
             for state in certain:
                 passed = state
@@ -217,9 +222,9 @@ class Engine:
         self.occupied = {state: ends[state] for state in sorted(ends)}
         return livelock
 
-    def _options(self, state: int, one: Occupied, *, first: bool) -> list[Way]:
+    def _options(self, state: int, stay: Occupied, *, first: bool) -> list[Way]:
         """Return the ways that may be taken; ``first``: what is momentary counts."""
-        found: list[Way] = []
+        ways: list[Way] = []
         for number in self._leaving[state]:
             transition, verdict, decides = self._machine.transitions[number], FALSE, -1
             for k in transition.triggers:
@@ -228,18 +233,18 @@ class Engine:
                 if value > verdict and (first or lasts):
                     verdict, decides = value, k
             if transition.after is not None:
-                over = TRUE if self._high - one.latest >= transition.after else UNKNOWN
-                over = FALSE if self._high - one.earliest < transition.after else over
+                over = TRUE if self._high - stay.latest >= transition.after else UNKNOWN
+                over = FALSE if self._high - stay.earliest < transition.after else over
                 verdict = min(verdict, over) if transition.triggers else over
             verdict = min(verdict, UNKNOWN) if self._missed else verdict
-            found += [Way(number, verdict, decides)] if verdict != FALSE else []
+            ways += [Way(number, verdict, decides)] if verdict != FALSE else []
             if verdict == TRUE:
                 break
-        return found
+        return ways
 
     def _entered(self, begun: Mapping[int, Due], options: Options) -> dict[int, Occupied]:
         """Return each state that is entered, with what is due on all ways to it."""
-        found: dict[int, Occupied] = {}
+        entered: dict[int, Occupied] = {}
         open_ = [*begun.items()][::-1]
         while open_:
             state, due = open_.pop()
@@ -248,18 +253,18 @@ class Engine:
                 target = self._machine.transitions[way.transition].target
                 if target != state:
                     new = Occupied(self._low, self._high, self._hop(due, state, target), (way,))
-                    known = found.get(target)
-                    found[target] = new if known is None else known.met(new)
-                    if known is None or found[target].due != known.due:
-                        onward.append((target, found[target].due))
+                    known = entered.get(target)
+                    entered[target] = new if known is None else known.met(new)
+                    if known is None or entered[target].due != known.due:
+                        onward.append((target, entered[target].due))
             open_ += reversed(onward)
-        return found
+        return entered
 
     def _hop(self, due: Due, source: int, target: int) -> Due:
         """Return what is due after a transition: each action once, at its latest place."""
         new = (*self._on_exit[source], *self._on_entry[target])
         self._touched.update(new)
-        return tuple([one for one in due if one not in new]) + new
+        return tuple([action for action in due if action not in new]) + new
 
 
 def common(lists: Iterable[Due]) -> Due:

@@ -39,12 +39,12 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
     def __init__(self, actions: object | None = None) -> None:
         self._methods = actions
         self._engine = Engine(self)
-        self.unlogged = frozenset([one.id for one in self.states])
+        self.unlogged = frozenset([row.id for row in self.states])
         orders = [self.reset_by] if self.reset_by else []
-        self._asked = [*self.triggers, *(one for _, one in self.observe), *orders]
+        self._asked = [*self.triggers, *(row for _, row in self.observe), *orders]
         # inputs that have a limit of age; those of messages without one need never come
         self._limited = [isinstance(spec.max_age, (int, float)) for spec in self.inputs]
-        of_messages = [k for one in self._asked if one.messages for k in one.needs]
+        of_messages = [k for row in self._asked if row.messages for k in row.needs]
         self._sporadic = [k for k in dict.fromkeys(of_messages) if not self._limited[k]]
         self.reset()
 
@@ -56,7 +56,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         # of each trigger: it has not been known since the start, and no input was wrong
         self._settling = [True] * len(self._asked)
         self._happened = [FALSE] * len(self._asked)  # by messages since the last step
-        unknown, off = {one.id: 1 for one in self.states}, {one.id: False for one in self.evidence}
+        unknown, off = {row.id: 1 for row in self.states}, {row.id: False for row in self.evidence}
         nothing = (self.model_id, "", tuple(unknown), 1, 0.0, unknown, off, (), (), ())
         self._moved = self._result = StateMachineOutput(*nothing)  # of the last move, and step
         self._late: set[int] = set()  # inputs for which it waits
@@ -78,13 +78,13 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         if t is None:
             self.raw = self.read(eddi_input)
         self._look()
-        unknown = tuple([one.id for one, good in zip(self.inputs, self._usable) if not good])
+        unknown = tuple([spec.id for spec, good in zip(self.inputs, self._usable) if not good])
         if t is not None and t != self._engine.last:
             before, self._usable_then = self._moved, self._usable
             made = self._move(t, verdicts)
             self._moved = made._replace(id=self.model_id, unknown_inputs=unknown)
-            known = [one for one in before.raised if not one.certain]
-            self._pending.extend([one for one in made.raised if one not in known])
+            known = [action for action in before.raised if not action.certain]
+            self._pending.extend([action for action in made.raised if action not in known])
             self._result = self._moved
             if made.possible != before.possible:
                 self._changes.append(f"{t / 1e9:.1f} s: {self._change(before)}")
@@ -114,9 +114,9 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             k in self._silent or (raw is not None and not self._unusable(k))
             for k, raw in enumerate(self.raw)
         ]
-        for k, one in enumerate(self._asked):
-            if one.messages:
-                raw: Any = [] if one.needs[0] in self._silent else self.raw[one.needs[0]]
+        for k, trigger in enumerate(self._asked):
+            if trigger.messages:
+                raw: Any = [] if trigger.needs[0] in self._silent else self.raw[trigger.needs[0]]
                 rows = list.__iter__(raw) if issubclass(type(raw), list) else (raw,)
                 self._happened[k] = max(self._happened[k], *map(truth, rows), FALSE)
 
@@ -126,21 +126,21 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         if last is not None and not 0 < t - last <= self.max_gap:
             self._settling = [False] * len(self._asked)
         values, waiting, self._late = [], False, set()
-        for k, one in enumerate(self._asked):
-            value = self._happened[k] if one.raised or one.messages else int(next(given))
-            wrong = any(self._came[n] and not self._usable[n] for n in one.needs)
-            never = [n for n in one.needs if not self._came[n]]
+        for k, trigger in enumerate(self._asked):
+            value = self._happened[k] if trigger.raised or trigger.messages else int(next(given))
+            wrong = any(self._came[n] and not self._usable[n] for n in trigger.needs)
+            never = [n for n in trigger.needs if not self._came[n]]
             if wrong or (value != UNKNOWN and not never):
                 self._settling[k] = False
             early = value == UNKNOWN and not wrong and (bool(never) or self._settling[k])
-            late = [n for n in never if self._limited[n] or not one.momentary]
-            if k < size and self.start == "unknown" and (late or not one.momentary):
+            late = [n for n in never if self._limited[n] or not trigger.momentary]
+            if k < size and self.start == "unknown" and (late or not trigger.momentary):
                 early, late = False, []
             is_observed = size <= k < size + len(self.observe)
             values.append(FALSE if early and not is_observed else value)
             if k < size:
                 self._late.update(late)
-                waiting = waiting or bool(late) or (early and not one.momentary)
+                waiting = waiting or bool(late) or (early and not trigger.momentary)
         observed = {state: value for (state, _), value in zip(self.observe, values[size:])}
         reset = values[-1] if self.reset_by else FALSE
         self._happened = [FALSE] * len(self._asked)
@@ -150,20 +150,21 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         self, warn: Callable[[str], object], error: Callable[[str, str, str], object]
     ) -> None:
         """Give the warnings since the last call, and call the functions that are certain."""
-        names = {one.text: one.method for one in self.actions if one.kind == "function"}
+        names = {row.text: row.method for row in self.actions if row.kind == "function"}
         while self._pending:
-            one = self._pending.popleft()
-            if one.kind == "warning":
-                perhaps = "" if one.certain else "perhaps "
-                warn(f"{perhaps}{one.text} ({one.moment} {one.state}, priority {one.priority})")
-            if one.kind != "function" or not one.certain:
+            action = self._pending.popleft()
+            where = f"{action.moment} {action.state}"
+            if action.kind == "warning":
+                perhaps = "" if action.certain else "perhaps "
+                warn(f"{perhaps}{action.text} ({where}, priority {action.priority})")
+            if action.kind != "function" or not action.certain:
                 continue
-            warn(f"{one.text} is due ({one.moment} {one.state})")
+            warn(f"{action.text} is due ({where})")
             if self._methods is None:
                 continue
-            name = names[one.text]
+            name = names[action.text]
             try:
-                getattr(self._methods, name)(one)
+                getattr(self._methods, name)(action)
                 if self._failures.pop(name, None):
                     error(name, "", "")
             except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
@@ -179,7 +180,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
     # What it gives.
 
     def as_json(self, output: StateMachineOutput) -> Json:
-        rows: Any = [one._asdict() for one in output.raised]
+        rows: Any = [action._asdict() for action in output.raised]
         return {**output._asdict(), "raised": rows}
 
     def series(self, output: StateMachineOutput) -> Mapping[str, Value]:
@@ -201,7 +202,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             "possible": [*given.possible],
             "in_state": states,
             "evidence": [("StateMachineEvidence", {"id": k, "active": on}) for k, on in pairs],
-            "raised": [("StateMachineAction", one._asdict()) for one in given.raised],
+            "raised": [("StateMachineAction", action._asdict()) for action in given.raised],
             "unknown_inputs": [*given.unknown_inputs],
             "reason": ", ".join(given.reasons),
             "accepted": [*self.accepted()],
@@ -217,14 +218,14 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
     # Why.
 
     def _whys(self) -> Iterator[tuple[str, int, Iterable[Cause]]]:
-        result, good = self._result, {one.id for one in self.states if not one.fail}
-        for one in self.evidence:
-            inside = {self.states[k].id for k in one.states}
-            since = self._lasting(self._engine.good_since.get(one.id))
-            hold = Cause((), "hold", TEXTS["hold"], since=since, limit=one.hold / 1e9)
+        result, good = self._result, {state.id for state in self.states if not state.fail}
+        for claim in self.evidence:
+            inside = {self.states[k].id for k in claim.states}
+            since = self._lasting(self._engine.good_since.get(claim.id))
+            hold = Cause((), "hold", TEXTS["hold"], since=since, limit=claim.hold / 1e9)
             verdict = max([result.in_state[name] for name in inside], default=FALSE)
-            verdict = TRUE if result.evidence[one.id] else min(verdict, UNKNOWN)
-            yield one.id, verdict, self._causes(inside) or [hold]
+            verdict = TRUE if result.evidence[claim.id] else min(verdict, UNKNOWN)
+            yield claim.id, verdict, self._causes(inside) or [hold]
         yield "failed", TRUE - result.failed, self._causes(good)
         for name, verdict in result.in_state.items():
             yield name, verdict, self._causes({name})
@@ -239,12 +240,12 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             late = self._of_unknown([self.inputs[n] for n in sorted(self._late)], {})
             filled = self._lasting(self.since or None)
             causes += late or [Cause((), "window", TEXTS["window"], since=filled)]
-        for state, one in self._engine.occupied.items() if not causes else ():
+        for state, stay in self._engine.occupied.items() if not causes else ():
             if self.states[state].id in inside:
                 continue
-            since = self._lasting(one.earliest if perhaps else one.latest)
+            since = self._lasting(stay.earliest if perhaps else stay.latest)
             text = f"{perhaps}in {self.states[state].id} for {{since}}"
-            ways = sorted(one.ways, key=lambda way: -way.verdict)
+            ways = sorted(stay.ways, key=lambda way: -way.verdict)
             unknown = self._unknown_of(*[way.trigger for way in ways if way.verdict == UNKNOWN])
             if sure or not unknown:
                 text += f", because {self._because(ways[0])}" if ways else ""
@@ -268,7 +269,7 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
 
     def _change(self, before: StateMachineOutput) -> str:
         """Return what has become possible, and why."""
-        rows = [(self.states[k].id, one.ways) for k, one in self._engine.occupied.items()]
+        rows = [(self.states[k].id, stay.ways) for k, stay in self._engine.occupied.items()]
         new = [(name, ways[0]) for name, ways in rows if ways and name not in before.possible]
         why = [f"{name} because {self._because(way)}" for name, way in new]
         return "; ".join([" or ".join(self._moved.possible), *why, *self._moved.reasons])
@@ -276,10 +277,10 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
     def explain(self) -> str:
         """Return how each possible state was entered, the triggers now, and the last changes."""
         lines = []
-        for state, one in self._engine.occupied.items():
-            since = [seconds(self._lasting(t)) for t in (one.latest, one.earliest)]
+        for state, stay in self._engine.occupied.items():
+            since = [seconds(self._lasting(t)) for t in (stay.latest, stay.earliest)]
             lines.append(f"{self.states[state].id} for {' .. '.join(dict.fromkeys(since))}")
-            for way in one.ways:
+            for way in stay.ways:
                 row = self.transitions[way.transition]
                 lines.append(f"  by {row.name} {row.place}, because {self._because(way)}")
         for k, (trigger, value) in enumerate(zip(self.triggers, self._engine.values)):
