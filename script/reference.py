@@ -24,12 +24,22 @@ MODULES = {
     "eddi_runtime.transports.ros1": ROOT / "runtime_lib" / "src",
 }
 """Public module -> the folder of the import path that contains it."""
+INTERNAL = {
+    "EDDIInputBase": "setup processed bind begin_processing end_step update why known_for"
+    " look_again update_each update_expression expression",
+    "Model": "named as_eddi_map diagram draft companion_messages separate_outputs own_topics"
+    " element_keys editable_modules readme compile cross_check claims acceptances input_timeouts"
+    " elements why_not_fulfilled",
+    "Monitor": "published output_faults doubts",
+    "MonitorNode": "expected_types",
+}
+"""Class -> public methods that the generator or generated code calls, not a user."""
 _HEAD = """# Reference
 
 <!-- written by script/reference.py from the docstrings -->
 
-All public names, with their signatures. For examples see [use from Python](../how-to/python.md) and
-[monitors at run time](runtime.md).
+Public names with their signatures, without methods that only the generator and generated code call.
+For examples see [use from Python](../how-to/python.md) and [monitors at run time](runtime.md).
 """
 
 
@@ -68,6 +78,8 @@ def _entry(name: str, module: str, folder: Path) -> Iterator[str]:
         case ast.ClassDef():
             for method in node.body:
                 if not isinstance(method, ast.FunctionDef) or method.name.startswith("_"):
+                    continue
+                if method.name in INTERNAL.get(name, "").split():
                     continue
                 if ast.get_docstring(method):  # else its base class says what it is
                     yield f"#### `{name}.{method.name}`\n"
