@@ -23,16 +23,24 @@ from eddi_scaffold.common.escaping import (
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.schema import Config
+from eddi_scaffold.evidence import vectors_of
 from eddi_scaffold.kinds import EditableMethod, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
-from eddi_scaffold.program.runtime_parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
+from eddi_scaffold.program.runtime_parts import (
+    LIFE_CYCLE,
+    PEERS,
+    TESTING,
+    runtime_parts_of,
+    with_needed,
+)
 from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.markers import Digests, tail_of
 
 ACCESS = ("by_id", "by_key", "by_name", "given", "joined")
 """Functions of the runtime that generated lines of ``process_<input>`` call."""
-_OURS = ("compiled.py", ".bin")
+VECTORS = "test/vectors.json"
+_OURS = ("compiled.py", ".bin", VECTORS)
 _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 
 
@@ -50,7 +58,10 @@ def files_of(monitor: BoundMonitor, code: str = "", text: str = "") -> dict[str,
             files = {f"{text}{name}": of.encode() for name, of in texts.items()}
     compiled = f"# fmt: off\n{monitor.compiled.text}\n".encode()
     tables = {f"{code}{name}": of for name, of in monitor.compiled.tables.items()}
-    return files | {f"{code}compiled.py": compiled} | tables
+    about = {"model": monitor.facts.file, "sha256": monitor.facts.file_sha256}
+    vectors = vectors_of(monitor.model, monitor.bound, about)
+    tests = {VECTORS: vectors.encode()} if vectors else {}
+    return files | {f"{code}compiled.py": compiled} | tables | tests
 
 
 def _as_kept(text: str) -> str:
@@ -71,6 +82,7 @@ def shared_answers(
     identity = identity_answers(monitor.package, f"Runtime monitor of the {title}", config)
     called = " ".join(binding.expression or "" for binding in monitor.inputs)
     parts = [*runtime_parts_of(monitor.compiled.text)]
+    parts += [TESTING] if VECTORS in files else []
     if config is not None:
         parts += [PEERS] if config.Fleet is not None else []
         parts += with_needed([LIFE_CYCLE]) if config.Model.lifecycle else []

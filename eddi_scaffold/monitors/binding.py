@@ -30,6 +30,7 @@ from eddi_scaffold.monitors.input_binding import InputBinder, InputBinding
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.spellings import default_outputs
 from eddi_scaffold.monitors.topic_types import check_types
+from eddi_scaffold.program.input_expressions import BoundInput
 
 
 def options_of(file: ConfigFile | None) -> Options:
@@ -73,6 +74,7 @@ class BoundMonitor:
     compiled: CompiledModule
     facts: MonitorFacts
     unconfigured: Model  # before it was configured
+    bound: tuple[BoundInput, ...]  # the inputs as they were compiled
     default_guarantees: tuple[str, ...] = ()  # marks that were given when the model was read
     cross_check: str = ""  # how the compiled model compares with an independent tool, one sentence
 
@@ -148,7 +150,7 @@ def monitor_of(
     except EddiError as refused:
         return None, [*problems, *refused.problems]
     joined = (package, model, kind, config, tuple(bindings), compiled, facts, unconfigured)
-    return BoundMonitor(*joined, tuple(marks)), problems
+    return BoundMonitor(*joined, tuple(inputs.values()), tuple(marks)), problems
 
 
 def known_types(config: ConfigFile | None, known: MessageFields) -> MessageFields:

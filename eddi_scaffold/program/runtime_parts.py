@@ -46,6 +46,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "reliability/units": ("reliability",),
     "safeml": ("history",),
     "state_machine": ("event", "history"),
+    "testing": (),
     "thresholds": (),
     "transports/ros1/host": (),
     "transports/ros2/lifecycle": ("node/life_cycle",),
@@ -55,6 +56,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 _ON_NUMPY = frozenset(
     ["bayesian_network/arrays", "reliability/large_chain", "reliability/large_tree", "safeml"]
 )
+TESTING = "testing"  # what runs the test vectors of a monitor
 PEERS = "peers"  # what a monitor needs that is one of a fleet
 
 LIFE_CYCLE = "transports/ros2/lifecycle"

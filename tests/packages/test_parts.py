@@ -50,7 +50,7 @@ def place(tmp_path: Path) -> Path:
 @pytest.mark.slow
 def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
     packages = place / "src" / "eddi_monitor"
-    assert parts(packages) == {"consert"}
+    assert parts(packages) == {"consert", "testing"}
     assert messages(packages) == OWN
     manifest = packages / "eddi_runtime" / "package.xml"
     end = "<!-- Manual edit end"
@@ -59,13 +59,13 @@ def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
     manifest.write_text(edited)
 
     generate(place, "motor-watch", "motor_watch.events", "motor_config.yml")
-    assert parts(packages) == {"consert", "event", "expressions"}
+    assert parts(packages) == {"consert", "event", "expressions", "testing"}
     assert messages(packages) == {*OWN, "EventOutput"}
     assert "<!-- ours -->" in manifest.read_text()
 
     shutil.rmtree(packages / "motor_watch")
     generate(place, "two-conserts", "two_conserts.xml", "consert_b_config.yml")
-    assert parts(packages) == {"consert"}
+    assert parts(packages) == {"consert", "testing"}
     assert messages(packages) == OWN
     assert "<!-- ours -->" in manifest.read_text()
     assert not [one for one in list_regions(packages / "eddi_runtime") if one.review]

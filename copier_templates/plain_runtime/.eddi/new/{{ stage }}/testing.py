@@ -1,0 +1,1 @@
+../../../../../runtime_lib/src/eddi_runtime/testing.py
