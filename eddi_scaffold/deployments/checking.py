@@ -134,8 +134,8 @@ class _Check:
             return
         monitors, problems = join(models, configs, self.named, self.marks)
         problems += packages_of(monitors, platform, None)[1]
-        joined = {monitor.config.name for monitor in monitors if monitor.config}
-        if joined >= {config.name for config in configs}:
+        joined = {m.config.place("Model") for m in monitors if m.config}
+        if joined >= {config.place("Model") for config in configs}:
             problems += absent_publishers(Deployment(members_of(monitors)))
         problems += [*_by_hand(monitors), *_unbound(models, monitors)]
         lacking = () if self.is_complete else _OF_WHAT_LACKS
