@@ -313,7 +313,9 @@ def test_an_override_of_several_monitors_names_them() -> None:
     other = "b: {Model: {frequency: 5}}\nSimulatorOutputs: [{id: t, topic: own}]\n%s"
     source = Source("a.yml", text.encode())
 
-    overrides = [read_map(Source("other.yml", (other % x).encode()), "K001")[0] for x in ("", "c: 1")]
+    overrides = [
+        read_map(Source("other.yml", (other % x).encode()), "K001")[0] for x in ("", "c: 1")
+    ]
     configs, problems = read_file(source, override=overrides[0])
     assert problems == []
     assert [config.config.Model.frequency for config in configs] == [10, 5]
