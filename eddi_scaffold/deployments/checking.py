@@ -178,7 +178,10 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
             if binding.requires and not binding.is_given:
                 of = f"{binding.model.id} (input of {monitor.id})"
                 place = config.place("EDDIInputs", index[binding.model.id])
-                reported = problem("K050.input", place, input=of)
+                known = (binding.known_fields or {}).items()
+                fields = [f"{name}.{field}" for name, all_ in known for field in all_]
+                text = shortened_list(fields or [f"{name}.FIELD" for name in binding.arguments])
+                reported = problem("K050.input", place, input=of, fields=text)
                 yield UnwrittenInput(
                     **vars(reported), package=package, regions=binding.regions, by_hand=of
                 )

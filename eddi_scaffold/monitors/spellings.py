@@ -344,8 +344,10 @@ def _threshold(entry: Node) -> Node:
     entries: list[tuple[Scalar, Node]] = []
     for key, value in entry.entries:
         if key.text == "of":
-            node, _, state = (part.strip() for part in of.partition("="))
-            entries += _texts(value.place, {"node": node, "state": state}).entries
+            parts = map(str.strip, of.split("=", 1))  # strict: of a text without `=` no state
+            entries += _texts(
+                value.place, dict(zip(("node", "state"), parts, strict=False))
+            ).entries
         else:
             entries.append((key, value))
     return replace(entry, entries=tuple(entries))
