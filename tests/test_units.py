@@ -34,6 +34,7 @@ def test_what_no_factor_converts(one: str, other: str) -> None:
 def test_factors_are_exact_and_squares_have_roots() -> None:
     assert units.convertible("rad")["rad"] == (1, 1)
     assert units.factor("FIT", "1/h") == Fraction(1, 10**9)
+    assert units.factor("rpm", "1/min") == 1
     assert units.root("m^2/s^4") == "m/s^2"
     assert (units.root("m"), units.root(None), units.root("")) == (None, None, None)
 

@@ -134,8 +134,8 @@ class _Check:
             return
         monitors, problems = join(models, configs, self.named, self.marks)
         problems += packages_of(monitors, platform, None)[1]
-        joined = {monitor.config.name for monitor in monitors if monitor.config}
-        if joined >= {config.name for config in configs}:
+        joined = {m.config.place("Model") for m in monitors if m.config}
+        if joined >= {config.place("Model") for config in configs}:
             problems += absent_publishers(Deployment(members_of(monitors)))
         problems += [*_by_hand(monitors), *_unbound(models, monitors)]
         lacking = () if self.is_complete else _OF_WHAT_LACKS
@@ -178,7 +178,10 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
             if binding.requires and not binding.is_given:
                 of = f"{binding.model.id} (input of {monitor.id})"
                 place = config.place("EDDIInputs", index[binding.model.id])
-                reported = problem("K050.input", place, input=of)
+                known = (binding.known_fields or {}).items()
+                fields = [f"{name}.{field}" for name, all_ in known for field in all_]
+                text = shortened_list(fields or [f"{name}.FIELD" for name in binding.arguments])
+                reported = problem("K050.input", place, input=of, fields=text)
                 yield UnwrittenInput(
                     **vars(reported), package=package, regions=binding.regions, by_hand=of
                 )

@@ -13,7 +13,7 @@ from eddi_scaffold.config.deployment_file import ROBOTS, FleetFile, Robot, Stati
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import Model, ReadResult
-from eddi_scaffold.monitors.config_reading import read_file, several
+from eddi_scaffold.monitors.config_reading import read_file
 from eddi_scaffold.monitors.loading import candidates, model_for
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 
@@ -92,9 +92,6 @@ class _Reader:
             config_file, model_file = self.file.files(robot, monitor)
             override = self.file.overrides.get((robot, monitor))
             configs, problems = read_file(read_source(config_file), override=override)
-            if override is not None and len(configs) > 1:
-                place = self.file.place(ROBOTS, robot, "monitors", monitor, "override")
-                problems = [*problems, several(configs, place)]
             self.problems += problems
             if has_errors(problems):
                 return []

@@ -180,11 +180,17 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
         "comments": _comments(binding),
         "region": f"process_{binding.attribute}{tail_of(uses, was)}",
         "body": _body(binding),
-        "sources": ", ".join(f"`{markdown_code(s.topic or s.id)}`" for s in binding.requires)
-        or "nothing",
+        "sources": _sources(binding),
         "covered": markdown_text(item.covered) if item.covered else "-",
         "age_text": "never" if binding.max_age in {None, "none"} else f"{binding.max_age} s",
     }
+
+
+def _sources(binding: InputBinding) -> str:
+    """Return the topics of an input, and which field or condition of their messages it is."""
+    topics = ", ".join(f"`{markdown_code(s.topic or s.id)}`" for s in binding.requires)
+    text = f": `{markdown_code(binding.text)}`" if binding.text else ""
+    return f"{topics}{text}" if topics else "nothing"
 
 
 def _comments(binding: InputBinding) -> list[str]:
@@ -196,8 +202,8 @@ def _comments(binding: InputBinding) -> list[str]:
     if binding.factor is not None:
         unit += f" (converted to {python_comment(item.unit or 'a ratio')})"
     good = f", good when {python_comment(item.covered)}" if item.covered else ""
-    computed = binding.computed_text and f"; computed: {python_comment(binding.computed_text)}"
-    return [*lines, f"{item.type}{unit}{good}{computed or ''}"]
+    computed = f"; computed: {python_comment(binding.text)}" if binding.computed else ""
+    return [*lines, f"{item.type}{unit}{good}{computed}"]
 
 
 def _body(binding: InputBinding) -> list[str]:

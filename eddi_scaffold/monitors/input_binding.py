@@ -84,7 +84,7 @@ class InputBinding:
     # argument -> its fields, for the messages that are known
     known_fields: Mapping[str, Sequence[str]] | None = None
     computed: Mapping[str, JsonValue] | None = None  # what `expression:` computes, for the runtime
-    computed_text: str = ""  # the same for people
+    text: str = ""  # of it, or the field, for people
     # simulator output -> name in `expression:` with keys in brackets -> its path
     key_paths: KeyPaths = field(default_factory=dict)
     reads: tuple[str, ...] | None = None  # names of fields and inputs that it reads
@@ -180,11 +180,12 @@ class InputBinder:
             entry.unit if factor is not None else item.unit,
             entry.renamed_from,
             {name: tuple(fields) for name, fields in self.fields.items()},
+            text=entry.field or "",
         )
         reads = names_read(computed.document) if computed is not None else None
         binding = replace(binding, claims=tuple(self._claims(reads)))
         if computed is not None:
-            binding = replace(binding, computed=computed.document, computed_text=computed.text)
+            binding = replace(binding, computed=computed.document, text=computed.text)
             binding = replace(binding, key_paths=computed.key_paths, reads=reads)
         return binding, self.problems
 

@@ -101,18 +101,30 @@ def kinds_of_type(type_: str | None) -> list[Kind]:
 def spelt_out(
     documents: Sequence[Map], source: Source, override: Map | None = None
 ) -> tuple[list[Map], list[Problem]]:
-    """Return the configuration of each monitor in a file, from its documents."""
+    """Return the configuration of each monitor in a file, from its documents.
+
+    Values of ``override`` are used in place of those of the file; of several monitors, those below
+    the id of a monitor in its document, all others in what is common.
+    """
     problems: list[Problem] = []
-    own = [joined(_renamed(document, problems), override) for document in documents]
+    own = [_renamed(document, problems) for document in documents]
     common = Map(())
     if len(own) > 1 and own[0].get("Model") is None:
         common, *own = own
+    if len(own) > 1 and override is not None:
+        ids = [text_of(document.get("Model"), "id") or "" for document in own]
+        of = {k.text: v for k, v in override.entries if isinstance(v, Map) and k.text in ids}
+        own = [joined(document, of.get(id_)) for document, id_ in zip(own, ids, strict=True)]
+        rest = tuple(entry for entry in override.entries if entry[0].text not in of)
+        common = joined(common, replace(override, entries=rest))
+    else:
+        own = [joined(document, override) for document in own]
+    wrong = [key for key, _ in common.entries if key.text not in _COMMON]
+    problems += [problem("K003.common", key.place, key=key.text) for key in wrong]
+    common = replace(common, entries=tuple(e for e in common.entries if e[0] not in wrong))
     own = [_with_common(common, document) for document in own]
     robot = _Robot(source, own)
     robot.problems += problems
-    for key, _ in common.entries:
-        if key.text not in _COMMON:
-            robot.problems.append(problem("K003.common", key.place, key=key.text))
     return [robot.spelt_out(document) for document in own], robot.problems
 
 
@@ -332,8 +344,10 @@ def _threshold(entry: Node) -> Node:
     entries: list[tuple[Scalar, Node]] = []
     for key, value in entry.entries:
         if key.text == "of":
-            node, _, state = (part.strip() for part in of.partition("="))
-            entries += _texts(value.place, {"node": node, "state": state}).entries
+            parts = map(str.strip, of.split("=", 1))  # strict: of a text without `=` no state
+            entries += _texts(
+                value.place, dict(zip(("node", "state"), parts, strict=False))
+            ).entries
         else:
             entries.append((key, value))
     return replace(entry, entries=tuple(entries))

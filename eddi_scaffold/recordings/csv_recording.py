@@ -206,6 +206,8 @@ class _Reader:
             elif name not in self._types:
                 known = f"columns are t and the inputs: {', '.join(self._types)}"
                 hint = did_you_mean(name, self._types) or known
+                if self._types.get(head := name.partition("[")[0]) == "float[]":
+                    hint = f"a list is one cell, with blanks: {head}"
                 self._report("I003.unknown_column", number, col, hint=hint, column=name)
             seen.add(name)
         self.problems += [

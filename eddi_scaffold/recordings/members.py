@@ -208,7 +208,7 @@ def _with_columns(members: Sequence[Member], header: Sequence[str]) -> list[Memb
             if not set(header).isdisjoint(topics):
                 continue
             columns[id_] = f"{member.name}.{id_}"
-            computed = (binding.expression, binding.computed_text)
+            computed = (binding.expression, binding.text)
             meaning = (binding.model.type, binding.unit, computed, topics)
             first, same = owners.setdefault(id_, (member.name, meaning))
             if columns[id_] not in header and same == meaning:

@@ -88,6 +88,7 @@ def test_what_is_wrong_stands_at_its_place(change, place, says, tmp_path):
     assert done.status == 1
     assert f"robot.yml:{place}: error" in done.err
     assert says in done.err
+    assert "[D006]" not in done.err  # what is wrong is in this file
 
 
 def test_the_names_of_d72_are_chosen_once(tmp_path):

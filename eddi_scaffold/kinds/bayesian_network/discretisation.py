@@ -137,7 +137,8 @@ def read_discretisation(
     if not isinstance(section, Mapping | None):
         reader.report("B404.declarations")
         section = None
-    for name, entry in (section or {}).items():
+    # sorted, as the answers of a package keep them: their order decides nothing
+    for name, entry in sorted((section or {}).items(), key=str):
         if name not in names:
             reader.report("B303.discretised_node", name, hint=did_you_mean(name, names), name=name)
         elif not isinstance(entry, Mapping):

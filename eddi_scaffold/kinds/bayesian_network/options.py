@@ -56,7 +56,7 @@ _PROBABILITY = (lambda value: is_number(value) and 0 <= value <= 1, "a number fr
 _FORM: Form = {
     "id": (_is_id, "a name such as RiskIsLow, and not t, reason, unknown or valid"),
     "node": (lambda value: isinstance(value, str), "a node of the network"),
-    "state": (_are_states, "a state, or a list of them, yes and no in quotes"),
+    "state": (_are_states, "a state (`of: NODE=STATE`), or a list of them, yes and no in quotes"),
     "at_most": _PROBABILITY,
     "at_least": _PROBABILITY,
     "release": _PROBABILITY,

@@ -230,6 +230,7 @@ def _input_of(node: model.Demand | model.Evidence) -> ModelInput:
     """Return an input, whose value is good where a dimension covers it; a demand has to hold."""
     dimension = node.dimension if isinstance(node, model.Evidence) else model.BinaryDimension("")
     number: dict[str, Any] = {}
+    covered = "; ".join(dimension.text for dimension in node.dimensions)
     type_: InputType = "bool" if isinstance(dimension, model.BinaryDimension) else "str"
     if isinstance(dimension, model.NumericDimension):
         type_ = "float"
@@ -242,7 +243,7 @@ def _input_of(node: model.Demand | model.Evidence) -> ModelInput:
         node.id,
         type_,
         description=node.description,
-        covered="; ".join(dimension.text for dimension in node.dimensions),
+        covered="true" if covered == node.id else covered,  # as in the short form
         is_good=dimension.covers,
         is_demand=isinstance(node, model.Demand),
         uses=(Use(dimension.covers),),

@@ -302,3 +302,23 @@ def test_an_override_counts_with_its_own_place() -> None:
     assert (place.file, place.line) == ("other.yml", 2)
     assert config.place("EDDIInputs", 0, "max_age").file == "a.yml"
     assert config.inside("EDDIInputs", 1, "max_age")(0) == place
+
+
+def test_an_override_of_several_monitors_names_them() -> None:
+    text = (
+        "SimulatorOutputs: [{id: t, type: std_msgs/Bool, topic: t}]\n"
+        "---\nModel: {id: a, type: ConSert}\nEDDIInputs: [{id: x, from: t}]\n"
+        "---\nModel: {id: b, type: ConSert}\nEDDIInputs: [{id: x, from: t}]\n"
+    )
+    other = "b: {Model: {frequency: 5}}\nSimulatorOutputs: [{id: t, topic: own}]\n%s"
+    source = Source("a.yml", text.encode())
+
+    overrides = [
+        read_map(Source("other.yml", (other % x).encode()), "K001")[0] for x in ("", "c: 1")
+    ]
+    configs, problems = read_file(source, override=overrides[0])
+    assert problems == []
+    assert [config.config.Model.frequency for config in configs] == [10, 5]
+    assert [config.config.SimulatorOutputs[0].topic for config in configs] == ["own", "own"]
+    _, (problem,) = read_file(source, override=overrides[1])
+    assert (problem.case, problem.place.file, problem.place.line) == ("K003.common", "other.yml", 3)

@@ -229,3 +229,17 @@ def check_fields(tree: Any, texts: dict[str, str]) -> None:
 def test_two_kinds_have_no_message_of_one_name() -> None:
     names = [name for kind in kinds().values() for name in kind.messages]
     assert len(names) == len(set(names))
+
+
+def test_the_order_of_discretised_nodes_decides_nothing() -> None:
+    """The answers of a package sort them, and `run` makes its monitor of these."""
+    speed = "AV_Shuttle_Speed: {input: value, bins: [0.05, 2.0, 4.0]}"
+    distance = "Distance_to_Pedestrian: {input: value, bins: [1.0, 2.0]}"
+    model = read_path(EXAMPLE / "pedestrian.xml")
+    digests = set()
+    for first, second in ((speed, distance), (distance, speed)):
+        text = f"Model: {{id: net, type: BayesianNetwork, discretisation: {{{first}, {second}}}}}\n"
+        monitor, _ = joined(model, text + INPUTS)
+        assert monitor is not None
+        digests.add(monitor.facts.digest)
+    assert len(digests) == 1
