@@ -22,6 +22,7 @@ from eddi_scaffold.conditions.syntax import (
     is_list_path,
 )
 from eddi_scaffold.conditions.tokens import (
+    AS_TEXT,
     DECLARATIONS,
     RESERVED,
     Cursor,
@@ -252,7 +253,7 @@ class _Parser(Cursor):
             end = self._tokens[self._index - 1].end if self._index else 0
             self._fail("E001.word", end, expected="an operand", shown="the next declaration")
         if token.kind != "word" or token.keyword in (*_WORDS, "NOT"):
-            self._missing("an operand")
+            self._missing("an operand", f"write {AS_TEXT}" if token.kind == "text" else None)
         if token.keyword in RESERVED:
             self._fail("E001.reserved", shown=token.shown)
         self._index += 1

@@ -34,7 +34,12 @@ _TOKEN = re.compile(
       | (?P<other>&&|\|\||<->|->|=>|.)""",
     re.VERBOSE | re.DOTALL,
 )
+AS_TEXT = (
+    "the word of an ENUM, without quotes: ENUM Door { closed, open }, VAR door.data : Door "
+    "(of a configuration: in `declarations:`)"
+)
 _INSTEAD = {
+    "'": AS_TEXT,
     "&": "AND",
     "&&": "AND",
     "|": "OR",
