@@ -77,6 +77,7 @@ _CODE = re.compile(r"[A-Za-z][0-9]{3}")
 def explain(
     name: str,
     files: Files = None,
+    inputs: Path | None = None,
     bag: Path | None = None,
     at: float = math.inf,
     config: list[Path] | None = None,
@@ -96,14 +97,15 @@ def explain(
     Args:
         name: A claim, as ID or MONITOR.ID, or the code of a problem, such as K007.
         files: What `run` plays: models, configurations, a deployment.yml, folders of packages.
+        inputs: CSV, as of `run`.
         bag: ROS 1 or 2 bag with the topics of the configurations.
-        at: Seconds from its first message, as `run` prints them; by default its end.
+        at: Seconds from its start, as `run` prints them; by default its end.
         workspace: Workspace or output folder: its packages run.
         no_code: Leave out the code of packages.
         master: ROS 1 master of the robot that runs.
         domain: ROS 2 domain of the robot that runs, read over DDS; may be repeated.
     """
-    if _CODE.fullmatch(name) or not (bag or files or workspace or master or domain):
+    if _CODE.fullmatch(name) or not (inputs or bag or files or workspace or master or domain):
         _explain_code(name, as_json=as_json)
         return
     from eddi_runtime.why import TRUE, ClaimWhy, clean
@@ -116,7 +118,7 @@ def explain(
     clock: Clock = "{:.3f}".format
     last: dict[str, tuple[float, ClaimWhy]] = {}
     if master or domain:
-        played_of = {"FILE": files, "--bag": bag, "--workspace": workspace}
+        played_of = {"FILE": files, "--inputs": inputs, "--bag": bag, "--workspace": workspace}
         if names := [name for name, value in played_of.items() if value]:
             names = ["--master" if master else "--domain", *names]
             raise EddiError(problem("G000.exclude", options=" and ".join(names)))
@@ -126,7 +128,8 @@ def explain(
     else:
         options = {"--config": config or [], "--name": None, "--default-guarantee": ()}
         options |= {"--system": None, "--models": None}
-        members, recording = recorded(files or [], None, bag, workspace, options, code=not no_code)
+        code = not no_code
+        members, recording = recorded(files or [], inputs, bag, workspace, options, code=code)
         for monitor, t, why in told(play(played(members), recording), name):
             if t > at + 1e-9 and last:
                 break

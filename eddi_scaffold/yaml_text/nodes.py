@@ -416,5 +416,6 @@ class _Composer:
             first = entries.setdefault(key.text, (key, value))[0]
             if first is not key:
                 message = f"the key {shown(key.text)} is repeated, first in line {first.place.line}"
-                self.problems += self._fault(message, key.place).problems
+                hint = "a line `---` begins another monitor" if key.text == "Model" else None
+                self.problems += self._fault(message, key.place, hint).problems
         return Map(tuple(entries.values()), done.place)

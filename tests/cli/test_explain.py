@@ -28,3 +28,18 @@ def test_a_robot_that_runs_is_not_played(tmp_path: Path) -> None:
     result = run("explain", "Fast", "--domain", 3, "--bag", "x.bag", cwd=tmp_path)
     assert result.status == 2
     assert "--domain and --bag exclude each other [G000]" in result.err
+
+
+def test_a_claim_is_explained_on_recorded_values(tmp_path: Path) -> None:
+    (tmp_path / "cart.yml").write_text("evidence: {Free: bool}\nguarantees: {MayDrive: Free}\n")
+    (tmp_path / "cart_config.yml").write_text(
+        "Model: {id: cart, type: ConSert, model: cart.yml}\n"
+        "SimulatorOutputs: [{id: gap, type: std_msgs/Bool, topic: gap}]\n"
+        "EDDIInputs: [{id: Free, from: gap, max_age: 0.5 s}]\n"
+    )
+    (tmp_path / "drive.csv").write_text("t,Free\n0,true\n1,\n2,true\n")
+    words = ("explain", "MayDrive", "cart_config.yml", "--inputs", "drive.csv")
+    late = run(*words, "--at", 1.0, cwd=tmp_path)
+    silent = "MayDrive <- Free <- /gap: nothing for 1.0 s, limit 0.5 s\n"
+    assert (late.status, late.out.startswith(silent)) == (1, True), late.err
+    assert run(*words, cwd=tmp_path).status == 0
