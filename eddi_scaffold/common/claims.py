@@ -124,6 +124,7 @@ class StatusReading:
     accepted: tuple[str, ...] = ()  # what the configuration accepts in place of what is not known
     # these are all verdicts of its topic; else others came in messages of their own
     is_complete: bool = True
+    situation: str = ""  # of the system, in a few words
 
 
 Listen = Callable[[Any], StatusReading]  # a message, with its fields as attributes -> what it says

@@ -153,7 +153,7 @@ def assemble(
     before = existing(root, renewed)
     present = {name: answers for name, answers in before.items() if name not in gone}
     reported = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
-    checked = [_cross_checked(monitor, reported) for monitor in monitors]
+    checked = [cross_checked(monitor, reported) for monitor in monitors]
     packages, package_problems = packages_of(checked, platform, root)
     reported += package_problems
     if packages and any(monitor.config is None for monitor in monitors):
@@ -215,7 +215,7 @@ def _others(present: Mapping[str, Mapping[str, Any]], new: Container[str]) -> li
     return [monitor for monitor in facts if monitor is not None]
 
 
-def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonitor:
+def cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonitor:
     """Compare the compiled model with an independent tool, where its kind has one."""
     result = monitor.model.cross_check(lambda: monitor.compiled.monitor(monitor.model.name))
     if result is None:

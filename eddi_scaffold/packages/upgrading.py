@@ -24,7 +24,13 @@ from eddi_scaffold.monitors.compiling import MonitorFacts
 from eddi_scaffold.monitors.compiling import from_json as facts_of
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.monitors.loading import checked_models, complete_reading, read_models
-from eddi_scaffold.packages.assembly import stored, support, wiring_with, with_choices
+from eddi_scaffold.packages.assembly import (
+    cross_checked,
+    stored,
+    support,
+    wiring_with,
+    with_choices,
+)
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.handwritten import ADOPT, looked_at, without_written_inputs
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers
@@ -200,6 +206,7 @@ def targets(
         monitor, binding_problems = renewed[folder]
         if folder in remade:
             monitor = _with_origin(monitor, facts_of(answers["facts"]))
+        monitor = cross_checked(monitor, problems)
         package, package_problems = platform.monitor(monitor)
         packages.append(with_choices(package, [answers]))
         problems += [*binding_problems, *package_problems]

@@ -87,6 +87,8 @@ def sentences(play: Playback, claim: str) -> Iterator[str]:
 def told(play: Playback, claim: str) -> Iterator[tuple[str, float, ClaimWhy]]:
     """Yield the monitor, the time, and why a claim is as it is, in each step that tells it.
 
+    A hazard that is absent is told as ``NOT ID``.
+
     Raises:
         EddiError: as for ``sentences``.
     """
@@ -95,7 +97,8 @@ def told(play: Playback, claim: str) -> Iterator[tuple[str, float, ClaimWhy]]:
         for name, why in monitor.running.why().items():
             names[name] = is_meant = claim in (name, f"{monitor.name}.{name}")
             if is_meant:
-                yield monitor.name, step.t, why
+                is_absent = why.verdict == TRUE and name in monitor.running.hazards
+                yield monitor.name, step.t, why._replace(id=f"NOT {name}") if is_absent else why
     if not any(names.values()):
         raise no_claim(claim, names)
 

@@ -73,6 +73,7 @@ class MonitorView:
     last: float  # when its last message came
     silent: bool  # it sends nothing any more
     report: NodeReport | None  # the last one of its node
+    situation: str = ""  # of the system, empty where it tells none
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ class _Stream:
     gaps: deque[float] = field(default_factory=lambda: deque(maxlen=_GAPS))
     verdicts: dict[str, VerdictView] = field(default_factory=dict)
     accepted: tuple[str, ...] = ()
+    situation: str = ""
     silent: bool = False
 
     def receive(self, message: Message) -> None:
@@ -182,6 +184,7 @@ class _Monitor:
             self.last,
             self.is_silent,
             report,
+            " ".join(stream.situation for stream in streams if not stream.silent),
         )
 
 
@@ -193,7 +196,7 @@ class _Told(NamedTuple):
 
     def of(self, verdict: VerdictView, now: float) -> VerdictView:
         """Return a verdict with it, unless it is of before, or of a monitor that fell silent."""
-        why = self.whys.get(verdict.id)
+        why = self.whys.get(verdict.id) or self.whys.get(verdict.id.removeprefix("not "))
         if why is None or (verdict.seen and self.t < verdict.since):
             return verdict
         is_old = now - self.t > MOST_AGE_S
@@ -267,6 +270,7 @@ class FleetState:
         stream.reading = reading
         monitor.model = plain(reading.model) or monitor.model
         stream.accepted = tuple(plain(text) for text in reading.accepted[:MAX_REASONS])
+        stream.situation = plain(reading.situation)
         changes = self._changes_by(monitor, stream, reading, message.t, is_back=was_silent)
         return self._remember(list(changes))
 

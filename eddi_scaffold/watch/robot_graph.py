@@ -36,7 +36,8 @@ def robot_graph(robot: RobotView) -> Diagram:
     boxes = [f"monitor {monitor.node} {monitor.name}" for monitor in robot.monitors]
     for box, monitor in zip(boxes, robot.monitors, strict=True):
         state = "silent" if monitor.silent else monitor.title
-        nodes.setdefault(box, DiagramNode(box, (monitor.name, state), "box"))
+        lines = (monitor.name, state, *_wrapped(monitor.situation))
+        nodes.setdefault(box, DiagramNode(box, lines, "box"))
         for verdict in monitor.verdicts:
             node = f"claim {monitor.node} {monitor.topic} {verdict.id}"
             lines, tone = (verdict.id, verdict.word, *_chain(verdict)), _TONES[verdict.good]
@@ -76,5 +77,9 @@ def _chain(verdict: VerdictView) -> list[str]:
     for cause in verdict.why.causes[:1] if verdict.why is not None else ():
         parts = [*(f"<- {plain(link)}" for link in cause.path), f"({_word(cause.state)})"]
         text = " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)
-        return wrap(text, _LONGEST, max_lines=_MOST_LINES, placeholder=" …")
+        return _wrapped(text)
     return []
+
+
+def _wrapped(text: str) -> list[str]:
+    return wrap(text, _LONGEST, max_lines=_MOST_LINES, placeholder=" …")

@@ -17,7 +17,7 @@ from tests.deployments.world import MS, History, Member, Observer
 SIZES = (2, 2, 3, 3, 4, 4, 5, 6)
 _STRANGE = {"flag": ("wrong",), "number": (float("nan"), float("inf"), 900.0, True), "text": (7,)}
 """Values that are none, or out of every range."""
-KINDS = ("consert", "event", "bayesian_network", "reliability", "safeml")
+KINDS = ("consert", "event", "bayesian_network", "reliability", "safeml", "state_machine")
 
 
 def draft_of(rng: Random, with_it: Template | None = None) -> Draft:

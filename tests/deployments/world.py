@@ -111,6 +111,11 @@ class Publisher(ProductPublisher):
                 found[message.id] = not message.active if hazard else message.active
             elif kind in ("ReliabilityOutput", "BayesianNetworkEvidence"):
                 found.update((one.id, one.active) for one in message.evidence)
+            elif kind == "StateMachineOutput":
+                found.update((one.id, one.active) for one in message.evidence)
+                found |= {"not failed": message.failed == 0, "failed": message.failed == 2}
+                found.update((f"in {one.id}", one.verdict == 2) for one in message.in_state)
+                found.update((f"not in {one.id}", one.verdict == 0) for one in message.in_state)
             elif kind == "SafeMLStatus":
                 found["in_scope"] = message.in_scope
         return found

@@ -45,6 +45,14 @@ def test_a_model_is_chosen_by_name_without_a_configuration(tmp_path: Path) -> No
     assert (done.status, "did you mean 'System_A_G0_c2'?" in done.err) == (2, True)
 
 
+def test_a_hazard_that_is_absent_is_told_so(tmp_path: Path) -> None:
+    (tmp_path / "mode.events").write_text("VAR m : BOOL TIMEOUT 1s\nEVENT e (HAZARD) := m\n")
+    (tmp_path / "r.csv").write_text("t,m\n0,false\n1,true\n")
+    done = run("mode.events", "--inputs", "r.csv", "--why", "e", folder=tmp_path)
+    assert done.out.splitlines()[0] == "     0.000  NOT e holds"
+    assert done.out.splitlines()[1].startswith("     1.000  e: ")
+
+
 def test_a_value_that_cannot_be_used_is_said_beside_the_input(tmp_path: Path) -> None:
     text = "ENUM Mode { AUTO, HAND }\nVAR m : Mode TIMEOUT 1s\nEVENT e (HAZARD) := m == AUTO\n"
     (tmp_path / "mode.events").write_text(text)

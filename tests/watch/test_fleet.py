@@ -117,6 +117,27 @@ def test_a_hazard_that_is_absent_is_good(verdict: int, claim: int, good: str, wo
     assert (hazard.good, hazard.word) == (good, word)
 
 
+def test_the_possible_states_of_a_machine_are_told() -> None:
+    evidence = [SimpleNamespace(id="NotFailed", active=False)]
+    output = SimpleNamespace(
+        id="shuttle", state="", possible=["Ready", "Halted"], failed=UNKNOWN, accepted=[]
+    )
+    vars(output).update(evidence=evidence, unknown_inputs=["fault"], reason="")
+    topic, state = "/shuttle/state", FleetState()
+    changes = state.take(Message(topic, "eddi_messages/StateMachineOutput", output, 1.0))
+    reasons = ("in Ready or Halted", "fault")
+    assert [(one.id, one.state, one.reasons) for one in changes] == [
+        ("not failed", "unknown", reasons),
+        ("NotFailed", "unknown", reasons),
+    ]
+    state.take(Message(f"{topic}/why", WHY, told(1.0, "failed", UNKNOWN, "fault").content, 1.0))
+    monitor = only(state)
+    assert monitor.situation == "in Ready or Halted"
+    assert monitor.verdicts[0].why is not None
+    state.look(10.0)
+    assert only(state).situation == ""
+
+
 def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
     from eddi_runtime import event as events
 

@@ -86,6 +86,12 @@ def test_who_is_silent_keeps_its_links_and_knows_nothing() -> None:
     assert {"neutral box lidar | silent", "warning ellipse light | unknown"} <= {*nodes}
 
 
+def test_the_situation_of_a_system_is_in_the_box_of_its_monitor() -> None:
+    state = "in Ready or Slow or Halted or Secured"
+    nodes, _ = read(robot_graph(RobotView("/r", (replace(LIDAR, situation=state),))))
+    assert "neutral box lidar | Kind | in Ready or Slow or Halted | or Secured" in nodes
+
+
 def test_without_diagnostics_there_are_monitors_and_claims() -> None:
     nodes, edges = read(robot_graph(RobotView("/r", (replace(LIDAR, report=None),))))
     assert len(nodes) == 3

@@ -6,6 +6,7 @@ are possible, and claims what holds in each of them.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import Meaning, Meanings, StatusReading, Verdict, state_of
@@ -28,7 +29,7 @@ MEANINGS: Meanings = {
     "StateMachineOutput": {
         "state": Meaning(("",), refused="it is empty while several are possible", instead=_NOT),
         "failed": _VERDICT,
-        "in_state[].verdict": _VERDICT,
+        "in_state[].verdict": replace(_VERDICT, instead=_NOT),
         "in_state[].active": Meaning((False,), refused=_FALSE, instead=_NOT),
         "evidence[].active": Meaning(
             (False,), refused=_FALSE, instead="evidence of the other states"
@@ -39,15 +40,17 @@ MEANINGS: Meanings = {
 
 
 def _status(output: Any) -> StatusReading:
-    reasons = tuple(output.unknown_inputs) or ((output.reason,) if output.reason else ())
-    text = output.state or " or ".join(output.possible)
+    unknown = tuple(output.unknown_inputs) or ((output.reason,) if output.reason else ())
+    place = f"in {output.state or ' or '.join(output.possible)}"
     state = state_of(active=output.failed == 0, known=output.failed != _UNKNOWN)
-    verdicts = [Verdict("not failed", state, reasons, text)]
+    why = ((), place) if state == "active" else ((place, *unknown), "")
+    verdicts = [Verdict("not failed", state, *why)]
     for evidence in output.evidence:
-        known = not reasons and bool(output.state)
+        known = not unknown and bool(output.state)
         state = state_of(active=evidence.active, known=known)
-        verdicts.append(Verdict(evidence.id, state, () if evidence.active else reasons or (text,)))
-    return StatusReading(tuple(verdicts), output.id, accepted=tuple(output.accepted))
+        verdicts.append(Verdict(evidence.id, state, () if evidence.active else (place, *unknown)))
+    accepted = tuple(output.accepted)
+    return StatusReading(tuple(verdicts), output.id, accepted=accepted, situation=place)
 
 
 def _recognises(source: Source) -> bool:

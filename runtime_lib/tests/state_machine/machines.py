@@ -106,10 +106,15 @@ def value(model, held, text):
 
 
 def monitor(model, config=None, actions=None, max_age=None):
-    """Return a monitor with a boolean input for each text, observed state and the reset."""
+    """Return a monitor with a boolean input for each text, observed state and the reset.
+
+    That is an order, unless `level_reset` of the configuration makes it one of the others.
+    """
     made, ids = machine(model, config), inputs_of(model)
     rows = model.get("triggers", {}).items()
     momentary = {text for text, flags in rows if flags.get("momentary")}
+    level_reset = (config or {}).get("level_reset", False)
+    momentary |= set() if level_reset else {"reset"}
     names = [state.id for state in made.states]
     every = [*ids, *(f"observed {name}" for name in names), "reset"]
     first = len(ids)
@@ -132,7 +137,7 @@ def monitor(model, config=None, actions=None, max_age=None):
         transitions, evidence = made.transitions, made.evidence
         start, max_gap = made.start, made.max_gap
         observe = tuple((k, Trigger(name, (first + k,))) for k, name in enumerate(names))
-        reset_by = Trigger("reset", (len(every) - 1,))
+        reset_by = Trigger("reset", (len(every) - 1,), messages=not level_reset)
 
         def step(self, source, t):
             self.raw = self.read(source)
@@ -141,7 +146,7 @@ def monitor(model, config=None, actions=None, max_age=None):
             self.last = t
             held = dict(zip(every, map(truth, self.raw)))
             read = [one.text for one in self.triggers if not (one.raised or one.messages)]
-            rest = [held[one] for one in every[first:]]
+            rest = [held[one] for one in every[first:] if one not in momentary]
             self.outputs = (*(value(model, held, text) for text in read), *rest)
             return self.outputs
 

@@ -114,6 +114,19 @@ def test_a_silent_input_takes_claims_away_and_nothing_of_itself_brings_them_back
     assert (output.state, output.evidence["NotFailed"]) == ("Ready", True)
 
 
+@pytest.mark.parametrize(
+    ("start", "possible"),
+    [("initial", ("Secured",)), ("unknown", ("Ready", "Halted", "Secured"))],
+)
+def test_a_condition_that_resets_and_has_not_come_is_waited_for(start, possible):
+    robot = Robot(level_reset=True, start=start)
+    robot.step(0, QUIET, {FAULT: True})
+    output = robot.step(1, QUIET)
+    assert output.possible == possible
+    assert 2 not in output.in_state.values()
+    assert robot.step(2, QUIET, reset=True).state == "Ready"
+
+
 def test_messages_that_grow_old_are_unknown():
     robot = Robot()
     t, messages = 0, {k: SimpleNamespace(data=value) for k, value in QUIET.items()}
@@ -284,12 +297,12 @@ def test_a_condition_that_fills_anew_after_a_gap_is_unknown(passed, possible):
 
 def test_what_is_accepted():
     robot = Robot(absent=[DIRTY])
-    release = "operator release: max_age: none"
+    orders = ("operator release: max_age: none", "reset: max_age: none")
     robot.step(0, QUIET)
-    assert robot.monitor.accepted() == (release,)
+    assert robot.monitor.accepted() == orders
     output = robot.step(1, {**QUIET, DIRTY: None})
     assert output.state == "Ready"
-    assert robot.monitor.accepted() == (f"{DIRTY}: absent: true", release)
+    assert robot.monitor.accepted() == (f"{DIRTY}: absent: true", *orders)
     assert robot.monitor.message(output)[1]["accepted"] == [*robot.monitor.accepted()]
 
 

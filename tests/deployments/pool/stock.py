@@ -13,6 +13,7 @@ from eddi_scaffold.recordings.playing import compiled
 from tests.data_files import write_files
 from tests.deployments.pool.conserts import conserts, ring, unsound_conserts
 from tests.deployments.pool.events import events, unsound_events
+from tests.deployments.pool.machines import machines
 from tests.deployments.pool.networks import bare_network, networks, scopes
 from tests.deployments.pool.reliabilities import reliabilities
 from tests.deployments.pool.templates import GOOD, SOURCE_TYPES, Template
@@ -22,6 +23,7 @@ from tests.deployments.pool.templates import GOOD, SOURCE_TYPES, Template
 def sound() -> Mapping[str, Sequence[Template]]:
     """Return the templates that `check` accepts, by kind."""
     made = [*conserts(60), *events(), *reliabilities(24), *scopes(), *networks(30)]
+    made += machines(24)
     there = {*SOURCE_TYPES, *(offer for one in made for offer in one.offers)}
     found = [one for one in made if all(slot.reading.offer in there for slot in one.slots)]
     names = dict.fromkeys(template.kind for template in found)

@@ -150,7 +150,7 @@ def test_a_fleet_shows_what_a_machine_claims() -> None:
 
     reading = KIND.verdicts["StateMachineOutput"](Output)
     rows = [(verdict.id, verdict.state, verdict.text) for verdict in reading.verdicts]
-    assert rows == [("not failed", "active", "Ready or Slow"), ("NotFailed", "active", "")]
+    assert rows == [("not failed", "active", "in Ready or Slow"), ("NotFailed", "active", "")]
 
 
 def test_text_that_is_no_utf_8_is_not_kept() -> None:

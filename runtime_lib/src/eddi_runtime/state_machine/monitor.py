@@ -134,11 +134,13 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
                 self._settling[k] = False
             early = value == UNKNOWN and not wrong and (bool(never) or self._settling[k])
             late = [n for n in never if self._limited[n] or not trigger.momentary]
-            if k < size and self.start == "unknown" and (late or not trigger.momentary):
-                early, late = False, []
             is_observed = size <= k < size + len(self.observe)
+            # what is observed never moves it, an order to reset was not given before it came
+            moves = k < size or not (is_observed or trigger.messages)
+            if moves and self.start == "unknown" and (late or not trigger.momentary):
+                early, late = False, []
             values.append(FALSE if early and not is_observed else value)
-            if k < size:
+            if moves:
                 self._late.update(late)
                 waiting = waiting or bool(late) or (early and not trigger.momentary)
         observed = {state: value for (state, _), value in zip(self.observe, values[size:])}
