@@ -25,7 +25,7 @@ def old(tmp_path: Path) -> Path:
 
 
 def test_every_body_is_in_its_method(old: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(assembly, "_cross_checked", lambda monitor, _: monitor)  # takes seconds
+    monkeypatch.setattr(assembly, "cross_checked", lambda monitor, _: monitor)  # takes seconds
     result = run("adopt", "bn_monitor", "-o", "out", cwd=old.parent)
     assert result.status == 3, result.err  # a helper, and a body without a node
     package = old.parent / "out" / "pedestrianrisk"

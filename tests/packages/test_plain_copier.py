@@ -50,7 +50,7 @@ def test_every_kind_and_every_example(
     config: str,
     where: tuple[str, str, str],
 ) -> None:
-    monkeypatch.setattr(assembly, "_cross_checked", lambda monitor, _: monitor)  # takes seconds
+    monkeypatch.setattr(assembly, "cross_checked", lambda monitor, _: monitor)  # takes seconds
     platform, packages, option = where
     folder = Path(shutil.copytree(ROOT / "examples" / example, tmp_path / "example"))
     (folder / "ws" / "src").mkdir(parents=True)
