@@ -17,6 +17,7 @@ from eddi_scaffold.common.problems import EddiError, has_errors
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.program import running as execution
 from eddi_scaffold.recordings import node
+from tests.data_files import data_text
 from tests.deployments.cases import deployment_of as deployment_of_case
 from tests.deployments.cases import read_case
 from tests.deployments.drafts import Draft, Instance, deployment_of, running_of
@@ -133,6 +134,13 @@ def taken_as_false(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_claim_that_is_not_given_and_taken_as_false_is_found() -> None:
     rngs = [Random(f"not given {number}") for number in range(PATIENCE)]
     assert sum(Check(draft_of(rng), rng).violation() is not None for rng in rngs) > 1
+
+
+def test_a_bound_is_not_known_to_be_too_high(tmp_path: Path) -> None:
+    """While a message was missed, ``p_fail`` is the worst that may be, for FALSE as for TRUE."""
+    case = read_case(data_text("deployments/bound.yml"), tmp_path)
+    claims = {t: dict(of) for t, of in World(deployment_of_case(case)).run()}
+    assert [claims[t]["m5.G"] for t in (0, 500, 1000)] == [False, False, True]
 
 
 @pytest.mark.slow
