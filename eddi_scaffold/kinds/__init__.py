@@ -342,6 +342,15 @@ class Model:
         """Return the monitor."""
         raise NotImplementedError
 
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        """Return the test vectors of the configured model, made without what compiles it.
+
+        Args:
+            inputs: of the monitor.
+            about: the file of the model and its digest.
+        """
+        return ""
+
     def cross_check(self, running: Callable[[], Any]) -> CrossCheck | None:
         """Compare the running monitor with an independent tool, where there is one."""
         return None

@@ -111,7 +111,7 @@ def test_the_event_of_a_file_is_the_expression(tmp_path: Path) -> None:
     assert problems == []
     motor = monitor.inputs[1]
     assert [source.id for source in motor.requires] == ["motor"]
-    assert motor.computed_text == "cool of safety.events: (NOT hot)"
+    assert motor.text == "cool of safety.events: (NOT hot)"
     eddi_input = bound(monitor)
     name = "MotorIsCool"
     assert step(eddi_input, name, 0, {}) is True  # of a HAZARD, as the file says

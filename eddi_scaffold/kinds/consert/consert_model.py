@@ -27,6 +27,7 @@ from eddi_scaffold.kinds.consert.options import (
     with_default_guarantees,
 )
 from eddi_scaffold.kinds.consert.read_short import read_consert
+from eddi_scaffold.kinds.consert.vectors import consert_vectors
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -155,6 +156,9 @@ class ConSertModel(Model):
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_consert(self.data, self.options, declaration)
+
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        return consert_vectors(self.data, self.options, inputs, about)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return each guarantee, by its id in messages, with the leaves that it rests on."""

@@ -5,7 +5,6 @@ Run them with `python3 -m unittest discover -s test` in the package's folder.
 """
 import os
 import sys
-import types
 import unittest
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))

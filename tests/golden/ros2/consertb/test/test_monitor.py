@@ -6,7 +6,6 @@ or `colcon test`.
 """
 import os
 import sys
-import types
 import unittest
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))

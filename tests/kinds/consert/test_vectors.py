@@ -17,12 +17,12 @@ from eddi_runtime.inputs import EDDIInputBase
 from eddi_runtime.testing import failures
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.evidence.consert import ConSertVectors
 from eddi_scaffold.kinds.consert.read_short import read_consert
+from eddi_scaffold.kinds.consert.vectors import ConSertVectors
 from eddi_scaffold.monitors.answers import VECTORS, files_of
 from eddi_scaffold.packages.assembly import monitors_of
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 DATA = ROOT / "tests" / "data" / "evidence" / "conserts.yml"
 CASES = {case["id"]: case for case in yaml.safe_load(DATA.read_text("utf-8"))}
 
