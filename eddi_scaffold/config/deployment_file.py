@@ -26,7 +26,6 @@ from eddi_scaffold.config.schema import (
     Topic,
     text,
 )
-from eddi_scaffold.eddi_xml.parsing import looks_like_xml
 from eddi_scaffold.yaml_text.nodes import Map, items_of, read_map
 
 LAST_DOMAIN = 232  # of DDS: the ports of the next one would be beyond 65535
@@ -157,7 +156,7 @@ class FleetFile(Placed):
 def is_fleet(source: Source) -> bool:
     """Return whether a file is a deployment file."""
     named = any(name.encode() in source.data for name in _TELLING_SECTIONS)
-    if looks_like_xml(source.data) or not named:
+    if not named or source.data.lstrip().startswith(b"<"):  # XML
         return False
     node, _ = read_map(source, "K001")
     if node is None:  # no YAML, or damaged: what it is meant to be still shows

@@ -210,7 +210,7 @@ def test_the_worse_of_two_rates_counts() -> None:
 @tabled
 def test_json_that_is_cut_off_or_deep(text: str) -> None:
     reading = read_models(Source("m.json", f'{text}\n"states": ['.encode()))
-    assert [p.case for p in reading.problems] == ["X001.json"]
+    assert [p.case for p in reading.problems] == ["X001.yaml"]
 
 
 @given(st.integers(0, 10_000), st.sampled_from(["remove", "rename", "twice", "bare", "moved"]))
