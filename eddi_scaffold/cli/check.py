@@ -105,7 +105,14 @@ def show(
             names its model.
     """
     from eddi_scaffold.deployments.joining import accepted_of, unanswered
-    from eddi_scaffold.monitors.loading import model_for, read_models, select_models, unfit
+    from eddi_scaffold.monitors.config_reading import read_file
+    from eddi_scaffold.monitors.loading import (
+        is_config,
+        model_for,
+        read_models,
+        select_models,
+        unfit,
+    )
     from eddi_scaffold.monitors.survey import configured, mros_of, only, survey_of
 
     source = read_source(model)
@@ -113,6 +120,12 @@ def show(
     if robot is not None:
         _show_robot(robot, as_json=as_json)
         return
+    if name is None and not config and not as_json and is_config(source):
+        names = [each.config.Model.id for each in read_file(source)[0]]
+        if len(names) > 1:  # a robot: its models in turn
+            for each in names:
+                show(model, each, None, default_guarantee)
+            return
     source, configs, warnings = configured(
         source, [read_source(path) for path in config or ()], name
     )

@@ -110,3 +110,10 @@ def test_a_configuration_that_is_saved_while_its_block_is_made_stays(
     monkeypatch.undo()
     assert run(*words, cwd=robot).status == 0
     assert config.read_text().count("# written while") == 1
+
+
+def test_show_takes_all_monitors_of_a_robot_in_turn() -> None:
+    shown = run("show", "robot.yml", cwd=ROOT / "examples" / "warehouse-robot")
+    heads = [line for line in shown.out.splitlines() if line and line[0] != " "]
+    names = [head.split()[-1] for head in heads]
+    assert (shown.status, names) == (0, ["lidar", "localisation", "power", "detector", "warehouse"])
