@@ -6,10 +6,9 @@ are possible, and claims what holds in each of them.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.claims import Meaning, Meanings, StatusReading, Verdict, state_of
+from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
 from eddi_scaffold.eddi_xml.vocabulary import MACHINES
 from eddi_scaffold.kinds import ClaimField, Kind, messages_in
 
@@ -20,23 +19,6 @@ SUFFIX = ".machine"
 """Before that of the format: of a file of which only the state machine counts."""
 KEYS = ("start", "reset", "observe", "triggers", "transitions", "evidence", "max_gap")
 _UNKNOWN = 1
-_FALSE = "it is false also when it is unknown"
-_NOT = "`in_state[STATE].verdict == 0`"
-_VERDICT = Meaning(
-    (_UNKNOWN,), refused="it is 1 when it is unknown", instead="`{field} == 0`", known=(0, 2)
-)
-MEANINGS: Meanings = {
-    "StateMachineOutput": {
-        "state": Meaning(("",), refused="it is empty while several are possible", instead=_NOT),
-        "failed": _VERDICT,
-        "in_state[].verdict": replace(_VERDICT, instead=_NOT),
-        "in_state[].active": Meaning((False,), refused=_FALSE, instead=_NOT),
-        "evidence[].active": Meaning(
-            (False,), refused=_FALSE, instead="evidence of the other states"
-        ),
-    }
-}
-"""Message -> field -> its meaning."""
 
 
 def _status(output: Any) -> StatusReading:

@@ -8,13 +8,13 @@ from functools import cached_property
 from typing import ClassVar
 
 from eddi_scaffold import kinds
-from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meanings
+from eddi_scaffold.common.claims import Acceptance, Claim, Element
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
-from eddi_scaffold.kinds.state_machine import MEANINGS, SUFFIX, show
+from eddi_scaffold.kinds.state_machine import SUFFIX, show
 from eddi_scaffold.kinds.state_machine.checks import check_machine, check_settings
 from eddi_scaffold.kinds.state_machine.compile import actions_module, compile_machine
 from eddi_scaffold.kinds.state_machine.machine import NAME, StateMachine
@@ -49,10 +49,6 @@ class StateMachineModel(kinds.Model):
         chosen = [] if has_errors(problems) else machines
         models = tuple(cls(of.name, source, of.place, data=of) for of in chosen)
         return kinds.ReadResult(models, tuple(in_order(problems)))
-
-    @classmethod
-    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return MEANINGS
 
     @cached_property
     def settings(self) -> Settings:
