@@ -88,12 +88,12 @@ def package_name(model_id: str) -> str:
     return name[:_LONGEST].rstrip("_")
 
 
-def free_name(base: str, taken: Container[str]) -> str:
-    """Return a name that is not taken: the base, else with ``_2``, ``_3``, ... behind it."""
+def free_name(base: str, taken: Container[str], mark: str = "_") -> str:
+    """Return a name that is not taken: the base, else with the mark and 2, 3, ... behind it."""
     name, number = base, 1
     while name in taken:
         number += 1
-        name = f"{base}_{number}"
+        name = f"{base}{mark}{number}"
     return name
 
 

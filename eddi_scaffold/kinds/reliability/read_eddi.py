@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain, count, product
+from itertools import product
 from typing import Any
 
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place, Problem
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
@@ -48,8 +49,7 @@ class _Reader:
             kind = self.document.kind_of(element)
             if kind in ("markov_chain", "fault_tree"):
                 name = self.name_of(element, self.source.stem)
-                names = chain([name], (f"{name}#{number}" for number in count(2)))
-                self.names[element] = next(n for n in names if n not in self.names.values())
+                self.names[element] = free_name(name, self.names.values(), "#")
                 if self.names[element] != name:
                     self.findings.report("R013.same_name", element, name=name)
             if kind == "markov_chain":

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import chain, count, product
+from itertools import chain, product
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
@@ -67,10 +68,7 @@ class _Reader:
     def machines(self) -> Iterator[StateMachine]:
         names: set[str] = set()
         for element in self.elements:
-            name = self.name_of(element, self.source.stem)
-            name = next(
-                n for n in chain([name], (f"{name}#{i}" for i in count(2))) if n not in names
-            )
+            name = free_name(self.name_of(element, self.source.stem), names, "#")
             names.add(name)
             yield self._machine(element, name)
 
@@ -225,8 +223,7 @@ class _Causes:
         taken = {*self.names.values()}
         for cause in (cause for cause in below if cause not in self.names):
             name = self.reader.name_of(cause, f"cause {len(self.names)}")
-            names = chain([name], (f"{name}#{i}" for i in count(2)))
-            self.names[cause] = next(n for n in names if n not in taken)
+            self.names[cause] = free_name(name, taken, "#")
             taken.add(self.names[cause])
         for cause, inputs in below.items():
             if self._is_gate(cause, inputs):
