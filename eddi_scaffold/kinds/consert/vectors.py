@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.graphs import in_order
+from eddi_scaffold.evidence.vectors import MOST_BYTES, age_row, text, vectors_file
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Bound,
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
 
 Sets = list[frozenset[str]]
-MOST_SETS, MOST_VECTORS, MOST_BYTES, DRAWN = 64, 4096, 64 * 1024, 256
+MOST_SETS, MOST_VECTORS, DRAWN = 64, 4096, 256
 _MOST_PRODUCTS, _MOST_WORK = 4096, 1_000_000  # of sets; beyond, vectors are drawn
 _MOST_INPUTS = 150  # their table alone would be too long
 _MOST_STEPS = 200_000  # of all vectors, where a filter needs several steps for each
@@ -151,17 +150,13 @@ def consert_vectors(
             id_: _U if value != _U and states[id_][value] is None else value for id_, value in rest
         }
 
-    data = {
-        "topics": {name: topic for input_ in inputs for name, topic in input_.topics.items()},
-        "services": [[one.id, [*one.members]] for one in consert.provided_services],
-        "steps": steps,
-    }
     lists: dict[str, list[Any]] = {
-        "inputs": [[*_input_row(input_, nodes[input_.id])] for input_ in inputs],
+        "shown": [_shown(nodes[input_.id], input_.factor) for input_ in inputs],
         "guarantees": [
             [one.id, options.published(one.id), one.default, one.ranking]
             for one in consert.guarantees
         ],
+        "services": [[one.id, [*one.members]] for one in consert.provided_services],
         "states": [[id_, *states[id_][::2]] for id_ in consert.leaves],
         "paths": [],
         "leaves": [],
@@ -170,20 +165,19 @@ def consert_vectors(
     }
     if complete:
         lists["paths"] = [[id_, [sorted(p) for p in vectors.paths[id_] or ()]] for id_ in active]
-    size = len(_text([data, lists])) + 1000
+    size = len(vectors_file(about, inputs, lists, complete=complete)) + 1000
     for id_ in consert.leaves:
         leaves = reachable(vectors.pair(id_))
         verdicts = {letter: vectors.verdicts({**leaves, id_: k}) for k, letter in enumerate("FUT")}
         row = [id_, vectors.letters(leaves), verdicts]
-        size += len(_text([*row, judged[id_]])) + 100
+        fresh, late = (_flags(options, consert, verdicts[letter]) for letter in "TU")
+        ages = [*filter(None, [age_row(bound[id_], row[1], fresh, late)])]
+        size += len(text([row, judged[id_], ages])) + 20
         if size > MOST_BYTES // 2:
             complete = False
             break
         lists["leaves"].append([*row, judged[id_]])
-        age = bound[id_].max_age
-        if isinstance(age, int | float) and bound[id_].expression is None:
-            late = math.nextafter(age, math.inf)
-            lists["ages"].append([*row[:2], [age, verdicts["T"]], [late, verdicts["U"]]])
+        lists["ages"] += ages
     rows: dict[str, str] = {}
     for guarantee in active:
         for class_, given in vectors.of(guarantee):
@@ -196,11 +190,12 @@ def consert_vectors(
                 break
             rows.setdefault(letters, row_text)
     lists["vectors"] = [*rows.values()]
-    head = {"format": 1, **about, "complete": complete}
-    lines = [f'"{key}": {_text(value)}' for key, value in (head | data).items()]
-    for key, items in lists.items():
-        lines.append(f'"{key}": [{",".join(f"{chr(10)}  {_text(item)}" for item in items)}]')
-    return "{" + ",\n".join(lines) + "}\n"
+    return vectors_file(about, inputs, lists, complete=complete, steps=steps)
+
+
+def _flags(options: ConSertOptions, consert: ConSert, verdicts: str) -> dict[str, bool]:
+    ids = (options.published(guarantee.id) for guarantee in consert.guarantees)
+    return {id_: letter == "T" for id_, letter in zip(ids, verdicts, strict=True)}
 
 
 def _states(rows: Sequence[tuple[object, str]]) -> list[object]:
@@ -209,23 +204,14 @@ def _states(rows: Sequence[tuple[object, str]]) -> list[object]:
     return [next((value for value, verdict in plain if verdict == of), None) for of in _LETTERS]
 
 
-_text = partial(json.dumps, ensure_ascii=False, allow_nan=False)
-
-
-def _input_row(input_: BoundInput, node: Evidence | Demand) -> Iterator[object]:
-    """Yield what the table of inputs has of an input, then how its value is shown to people."""
-    claims = [[*claim] for claim in input_.claims]
-    factor = None if input_.factor is None else [*input_.factor]
-    yield from (input_.id, input_.attribute, [*input_.requires], input_.max_age, factor)
-    yield from (input_.default, input_.every_message, input_.expression is not None)
-    yield from ([*input_.accepts], claims)
+def _shown(node: Evidence | Demand, factor: tuple[int, int] | None) -> list[object] | None:
+    """Return how a value is shown to people: what is needed, unit, factor."""
     dimension = _dimension(node)
     if isinstance(dimension, BinaryDimension | CategoricalDimension):
-        yield None
-    else:
-        unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
-        needs = " or ".join(covered.short for covered in dimension.covered)
-        yield [f"{needs} {unit}".rstrip(), unit, factor or [1, 1]]
+        return None
+    unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
+    needs = " or ".join(covered.short for covered in dimension.covered)
+    return [f"{needs} {unit}".rstrip(), unit, [*(factor or (1, 1))]]
 
 
 def _dimension(node: Evidence | Demand) -> Dimension:

@@ -3,28 +3,104 @@
 from __future__ import annotations
 
 import json
+import math
 from itertools import zip_longest
 from types import SimpleNamespace
-from typing import Any, Callable, Iterator
+from typing import Any, Callable, Dict, Iterator
 
 _WORDS = {"T": "TRUE", "U": "UNKNOWN", "F": "FALSE"}
-_NO_JSON = {"nan": float("nan"), "inf": float("inf"), "-inf": float("-inf"), "object": object()}
+_NO_JSON = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf, "object": object()}
+_PRECISION = 1e-9  # relative, of the numbers of a result
+
+Values = Dict[str, Any]  # by input id, as in JSON
 
 
 def failures(file: str, monitor: Callable[[], Any], eddi_input: type[Any]) -> list[str]:
     """Return what differs from the vectors of a file, a line each: vector, expected, got."""
     with open(file, encoding="utf-8") as opened:  # noqa: PTH123 - as the rest of the runtime
-        return [*_Vectors(json.load(opened), monitor, eddi_input).failures()]
+        data = json.load(opened)
+    class_ = _ConSertVectors if "guarantees" in data else _Vectors
+    return [*class_(data, monitor, eddi_input).failures()]
 
 
 class _Vectors:
+    """Vectors of any kind: runs of steps, and messages that become too old."""
+
     def __init__(self, data: Any, monitor: Callable[[], Any], eddi_input: type[Any]) -> None:
         self.data, self.monitor, self.eddi_input = data, monitor, eddi_input
-        self.values = {id_: {"T": t, "F": f, "U": None} for id_, f, t in data["states"]}
         self.attributes = {row[0]: row[1] for row in data["inputs"]}
 
     def failures(self) -> Iterator[str]:
         yield from self.tables(self.monitor())
+        for name, steps in self.data["runs"]:
+            monitor = self.monitor()
+            values: Values = dict.fromkeys(self.attributes)
+            expected: dict[str, Any] = {}
+            for number, (t_ns, changes, results) in enumerate(steps, 1):
+                values.update(changes)
+                expected.update(results)
+                output = monitor.execute_step(self.source(values), t_ns)
+                yield from _results(f"{name}, step {number}", expected, monitor, output)
+        yield from self.messages()
+
+    def tables(self, monitor: Any) -> Iterator[str]:
+        """Compare what is no function of the inputs."""
+        for row, spec in zip_longest(self.data["inputs"], monitor.inputs):
+            got = spec and [*spec[:7], spec.expression is not None, spec.accepts, spec.claims]
+            yield from _compared(f"input {row and row[0]}", row, got)
+        yield from _compared("topics", self.data["topics"], getattr(monitor, "topics", {}))
+
+    def source(self, values: Values) -> SimpleNamespace:
+        named = {}
+        for id_, value in values.items():
+            special = value["is"] if isinstance(value, dict) else None
+            if special != "absent":
+                named[self.attributes[id_]] = value if special is None else _NO_JSON[special]
+        return SimpleNamespace(**named)
+
+    def messages(self) -> Iterator[str]:
+        """Hand in messages of an age; what a person wrote is replaced."""
+        rows = [row for row in self.data["inputs"] if not row[7]]  # without an expression
+        sources = {name: object() for row in self.data["inputs"] for name in row[2]}
+        values: Values = {}
+        methods: dict[str, Any] = {"setup": lambda _: None, "processed": lambda *_: None}
+        for id_, attribute in self.attributes.items():
+            methods[f"process_{attribute}"] = lambda own, *_, id_=id_: setattr(
+                own, self.attributes[id_], values[id_]
+            )
+        replaced = type("Replaced", (self.eddi_input,), methods)
+        made = replaced()
+        values.update(dict.fromkeys(self.attributes, "given"))
+        for messages, when in (({}, "before a message"), (sources, ""), ({}, "after the last")):
+            made.begin_step({}, t_ns=0)
+            made.processing(messages)
+            for row in rows if when else ():
+                expected = row[5] if when == "before a message" else None
+                got = getattr(made, row[1], "absent")
+                yield from _compared(f"{row[0]} {when}", expected, got)
+        for id_, given, *ends in self.data["ages"]:
+            values.update(self.given(given))
+            required = next(row[2] for row in rows if row[0] == id_)
+            for age, results in ends:
+                made = replaced()
+                made.begin_step(dict.fromkeys(required, age), t_ns=0)
+                made.processing(sources)
+                monitor = self.monitor()
+                outputs = [monitor.execute_step(made, 0) for _ in range(self.data["steps"])]
+                yield from _results(f"{id_} at the age {age}", results, monitor, outputs[-1])
+
+    def given(self, values: Any) -> Values:
+        return {**dict.fromkeys(self.attributes), **values}
+
+
+class _ConSertVectors(_Vectors):
+    """Vectors of a ConSert: a letter for each input and each guarantee."""
+
+    def __init__(self, data: Any, monitor: Callable[[], Any], eddi_input: type[Any]) -> None:
+        super().__init__(data, monitor, eddi_input)
+        self.values = {id_: {"T": t, "F": f, "U": None} for id_, f, t in data["states"]}
+
+    def failures(self) -> Iterator[str]:
         for row in self.data["vectors"]:
             letters, verdicts, name = row.split(" ", 2)
             values = self.given(letters)
@@ -39,18 +115,18 @@ class _Vectors:
         for letters, times, seen, verdicts in self.data["filter"]:
             name = f"filter {letters}"
             yield from self.steps(monitor, self.given(letters), seen, verdicts, name, times)
-        yield from self.messages()
+        yield from super().failures()
 
-    def given(self, letters: str) -> dict[str, Any]:
-        return {id_: self.values[id_][letter] for id_, letter in zip(self.values, letters)}
+    def given(self, values: Any) -> Values:
+        return {id_: self.values[id_][letter] for id_, letter in zip(self.values, values)}
 
     def tables(self, monitor: Any) -> Iterator[str]:
-        """Compare what is no function of the inputs."""
-        for row, spec, leaf in zip_longest(self.data["inputs"], monitor.inputs, monitor.leaves):
-            shown = [leaf.needs, leaf.unit, leaf.factor] if hasattr(leaf, "unit") else None
-            got = [*spec[:7], spec.expression is not None, spec.accepts, spec.claims, shown]
-            yield from _compared(f"input {spec.id}", row, got)
-        yield from _compared("topics", self.data["topics"], getattr(monitor, "topics", {}))
+        yield from super().tables(monitor)
+        shown = [
+            [leaf.needs, leaf.unit, leaf.factor] if hasattr(leaf, "unit") else None
+            for leaf in monitor.leaves
+        ]
+        yield from _compared("needs and units of inputs", self.data["shown"], shown)
         guarantees = [
             [g.id, g.published or g.id, g.default, g.ranking] for g in monitor.guarantees
         ]
@@ -62,14 +138,9 @@ class _Vectors:
                 yield from _compared(f"paths of {id_}", paths, monitor.explain(id_).missing)
 
     def steps(
-        self, monitor: Any, values: Any, letters: str, verdicts: str, name: str, times: int = 0
+        self, monitor: Any, values: Values, letters: str, verdicts: str, name: str, times: int = 0
     ) -> Iterator[str]:
-        named = {}
-        for id_, value in values.items():
-            special = value["is"] if isinstance(value, dict) else None
-            if special != "absent":
-                named[self.attributes[id_]] = value if special is None else _NO_JSON[special]
-        source = SimpleNamespace(**named)
+        source = self.source(values)
         output = [monitor.execute_step(source, 0) for _ in range(times or self.data["steps"])][-1]
         rows = [*zip(self.data["guarantees"], verdicts)]
         flags = [{"id": row[1], "active": letter == "T"} for row, letter in rows]
@@ -79,41 +150,18 @@ class _Vectors:
         words = {id_: _WORDS[letter] for id_, letter in zip(self.values, letters)}
         yield from _compared(f"{name}: inputs", words, monitor.input_verdicts())
 
-    def messages(self) -> Iterator[str]:
-        """Hand in messages of an age; what a person wrote is replaced."""
-        rows = [row for row in self.data["inputs"] if not row[7]]  # without an expression
-        sources = {name: object() for row in self.data["inputs"] for name in row[2]}
-        values: dict[str, Any] = {}
-        methods: dict[str, Any] = {"setup": lambda _: None, "processed": lambda *_: None}
-        for id_, attribute in self.attributes.items():
-            methods[f"process_{attribute}"] = lambda own, *_, id_=id_: setattr(
-                own, self.attributes[id_], values[id_]
-            )
-        replaced = type("Replaced", (self.eddi_input,), methods)
-        made = replaced()
-        values.update(self.given("T" * len(self.values)))
-        for messages, when in (({}, "before a message"), (sources, ""), ({}, "after the last")):
-            made.begin_step({}, t_ns=0)
-            made.processing(messages)
-            for row in rows if when else ():
-                expected = row[5] if when == "before a message" else None
-                got = getattr(made, row[1], "absent")
-                yield from _compared(f"{row[0]} {when}", expected, got)
-        for id_, letters, *ends in self.data["ages"]:
-            values.update(self.given(letters))
-            required = next(row[2] for row in rows if row[0] == id_)
-            for age, verdicts in ends:
-                made = replaced()
-                made.begin_step(dict.fromkeys(required, age), t_ns=0)
-                made.processing(sources)
-                monitor = self.monitor()
-                steps = [monitor.execute_step(made, 0) for _ in range(self.data["steps"])]
-                active = [row["active"] for row in steps[-1]]
-                expected = [letter == "T" for letter in verdicts]
-                yield from _compared(f"{id_} at the age {age}", expected, active)
-
 
 def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
     plain = json.loads(json.dumps(got, default=repr))
     if json.dumps(plain, sort_keys=True) != json.dumps(expected, sort_keys=True):
         yield f"{name}: expected {expected}, got {plain}"
+
+
+def _results(name: str, expected: Any, monitor: Any, output: Any) -> Iterator[str]:
+    """Compare named results, numbers with a precision."""
+    got = monitor.series(output)
+    for result, value in expected.items():
+        other = got.get(result, "absent")
+        is_number = type(value) is type(other) is float
+        if not (is_number and math.isclose(value, other, rel_tol=_PRECISION)):
+            yield from _compared(f"{name}: {result}", value, other)

@@ -1,0 +1,1 @@
+"""What kinds share to show that a monitor is its model."""
