@@ -133,7 +133,11 @@ def write_packages(
             _write(plans, renames, root)
             for path, data in ignoring.items():
                 (root / path).write_bytes(data)
-            notes += renames.notes(root, plans)
+            notes += [
+                (f"{old} is called {new} now; all in it moved along", False)
+                for new, old in renames.former.items()
+                if new in plans
+            ]
     changes = {f"{folder}/{step.path}": step.data for folder, _, step in steps} | ignoring
     before = {path: data for path, data in old.items() if data is not None}
     lines = list(dict.fromkeys(note for note, _ in notes))
