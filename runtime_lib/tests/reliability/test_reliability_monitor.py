@@ -7,13 +7,11 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.kinds.reliability.fault_tree import Gate
-from eddi_scaffold.kinds.reliability.trial import look_ahead
 from runtime_lib.tests.reliability.reliability_models import (
     NS,
     battery,
     but,
     chain,
-    compiled,
     event,
     heat,
     monitor,
@@ -182,15 +180,16 @@ def everything():
     return parts, values
 
 
-def test_another_horizon_is_as_good_as_another_monitor():
+def test_the_end_of_a_mission_is_as_good_as_a_horizon():
     parts, values = everything()
-    module = compiled(parts, values)
-    for horizon in (0.0, 0.25, 3.0, 1000.0):
-        one, other = look_ahead(module, horizon), monitor(parts, values, horizon=horizon)
+    for horizon in (0.0, 1.0, 3.0, 4.0):
+        ends = {**values, "mission_end": horizon * 3600.0}
+        one = monitor(parts, ends, mission_end=True, horizon=4.0)
+        other = monitor(parts, values, horizon=horizon)
         for i in range(40):
             unknown = {} if i % 20 < 17 else {"rotors_motor_1": None, "new": None}
-            given = {**values, **unknown}
-            mine, expected = step(one, i * 0.1, **given), step(other, i * 0.1, **given)
+            mine = step(one, i * 0.1, **{**ends, **unknown})
+            expected = step(other, i * 0.1, **{**values, **unknown})
             assert mine.horizon == horizon
             assert (mine.unknown, mine.reason) == (expected.unknown, expected.reason)
             for name in ("p_fail_low", "p_fail_high", "reliability"):
