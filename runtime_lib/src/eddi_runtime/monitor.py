@@ -213,10 +213,6 @@ class Monitor(Protocol[Output]):
         """Return ``input: key`` for each acceptance that was in use in the last step."""
         return accepted(self.inputs, self._source)
 
-    def doubts(self) -> Sequence[str]:
-        """Return what was missed before and still keeps outputs from being given."""
-        return ()
-
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
 
