@@ -10,7 +10,7 @@ from typing import Any, Mapping, Protocol, Sequence, Tuple, TypeVar, Union
 
 from .inputs import EDDIInputBase, InputSpec, accepted, of_topic, step_time
 from .plain_values import is_nan, one_line, read
-from .why import UNKNOWN, Cause, ClaimWhy, claim_why, why_tree
+from .why import UNKNOWN, Cause, ClaimWhy, claim_why
 
 __version__ = "1.0.0"
 """Of this runtime."""
@@ -163,10 +163,6 @@ class Monitor(Protocol[Output]):
             return {row[0]: claim_why(self.model_id, *row) for row in self._whys()}
         except Exception:  # noqa: BLE001 - what people read must not end what robots rely on
             return {}
-
-    def why_message(self) -> Tree:
-        """Return the message ``Why`` of ``why()``, without a header."""
-        return why_tree(self.model_id, self.why())
 
     def _whys(self) -> Iterable[tuple[str, int, Iterable[Cause]]]:
         """Return id, verdict and causes of each claim, as the claim sees them."""
