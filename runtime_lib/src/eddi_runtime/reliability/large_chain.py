@@ -53,7 +53,8 @@ class LargeChain(Chain):
         # failed, alive, mean life, weight of endless states and of all: one product with a belief
         self._looks = [np.column_stack([view, *rest]) for view in views]
         self._found: dict[int, list[Row]] = {}
-        self.everything = Seen(self, range(self.states))
+        self._seen = self.everything = Seen(self, range(self.states))
+        self._mask = np.array(self._seen.mask)
         self.reset()
 
     def rows(self, at: int) -> list[Row]:
@@ -85,7 +86,9 @@ class LargeChain(Chain):
         for power in self._factors(quanta):
             self._now = self._now.dot(power)
         if not seen.whole:
-            self._now *= seen.mask
+            if seen is not self._seen:  # mostly it is that of the step before
+                self._seen, self._mask = seen, np.array(seen.mask)
+            self._now *= self._mask
         look: list[float] = self._now.dot(self._looks[at]).tolist()
         return look
 
