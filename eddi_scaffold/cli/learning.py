@@ -158,8 +158,6 @@ def _explain_code(code: str, *, as_json: bool) -> None:
     if as_json:
         console.json(diagnostic.as_json())
         return
-    if diagnostic.code != code.upper():
-        console.data(f"{code.upper()} is {diagnostic.code} now\n")
     console.data(f"{diagnostic.code}: {diagnostic.title} ({', '.join(diagnostic.levels)})")
     for text in (diagnostic.why, f"What to do: {diagnostic.fix}"):
         console.data(f"\n{fill(text, 96, break_long_words=False, break_on_hyphens=False)}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Container, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -82,13 +81,7 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
     groups_there = [group for group in candidates if group.present or group.links]
     if groups_there:
         return groups_there
-    hint = "name a workspace with -w, or the folder of a package"
-    sources = {platform.root for platform in platforms().values() if platform.workspace is not None}
-    for above in place.resolve().parents:  # packages where workspaces have them
-        if any(any((above / root).glob(f"*/{ANSWERS_FILE}")) for root in sources):
-            hint = f"name the workspace above: -w {os.path.relpath(above)}"
-            break
-    raise EddiError(problem("U001.nothing_near", Place(str(place)), hint=hint))
+    raise EddiError(problem("U001.nothing_here", Place(str(place))))
 
 
 def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:

@@ -8,7 +8,6 @@ the code where it has one case only::
     title = "an age limit that cannot work"
     why = "The value counts as known long after its source died."
     fix = "write the limit in seconds"
-    absorbed = ["K082"]        # codes of before that mean this one
 
     [K029.long]
     level = "warning"
@@ -52,7 +51,6 @@ class Diagnostic:
     fix: str  # what helps
     # name -> what is printed; the name is empty where there is one case only
     cases: dict[str, Case]
-    absorbed: tuple[str, ...]  # codes of before that mean this one
 
     @property
     def levels(self) -> list[Level]:
@@ -68,7 +66,6 @@ class Diagnostic:
             "levels": self.levels,
             "why": self.why,
             "fix": self.fix,
-            "absorbed": self.absorbed,
             "cases": [{"case": name, **case._asdict()} for name, case in self.cases.items()],
         }
 
@@ -118,7 +115,6 @@ def _diagnostic(code: str, table: dict[str, Any]) -> Diagnostic:
             name: Case(entry["level"], entry["text"], entry.get("hint"))
             for name, entry in (cases or {"": table}).items()
         },
-        tuple(table.get("absorbed", ())),
     )
 
 
@@ -134,9 +130,8 @@ def areas() -> list[Area]:
 
 
 def find(code: str) -> Diagnostic | None:
-    """Return the diagnostic of a code, or of one of before, in whatever case it is written."""
-    code = code.upper()
-    return next((entry for entry in _all() if code in (entry.code, *entry.absorbed)), None)
+    """Return the diagnostic of a code, in whatever case it is written."""
+    return next((entry for entry in _all() if entry.code == code.upper()), None)
 
 
 def similar(code: str) -> list[str]:
