@@ -151,10 +151,7 @@ def _explain_code(code: str, *, as_json: bool) -> None:
 
     diagnostic = catalogue.find(code)
     if diagnostic is None:
-        similar = catalogue.similar(code)
-        hint = "a code is like K007; of a claim: FILE --bag FILE, or --master URI"
-        hint = f"did you mean {' or '.join(similar)}?" if similar else hint
-        raise EddiError(problem("G008.code", hint=hint, code=code))
+        raise EddiError(problem("G008.code", code=code))
     if as_json:
         console.json(diagnostic.as_json())
         return

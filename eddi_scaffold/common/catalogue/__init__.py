@@ -20,7 +20,6 @@ A call names the case, and gives the fields of its text and its hint:
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass
 from functools import cache
@@ -132,13 +131,6 @@ def areas() -> list[Area]:
 def find(code: str) -> Diagnostic | None:
     """Return the diagnostic of a code, in whatever case it is written."""
     return next((entry for entry in _all() if entry.code == code.upper()), None)
-
-
-def similar(code: str) -> list[str]:
-    """Return up to three codes that are most like a text, of its letter where there are any."""
-    code, known = code.upper(), [entry.code for entry in _all()]
-    of_letter = [entry for entry in known if entry[:1] == code[:1]]
-    return difflib.get_close_matches(code, of_letter or known, n=3, cutoff=0.5)
 
 
 def _all() -> list[Diagnostic]:
