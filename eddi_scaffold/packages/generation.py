@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.packages.handwritten import ADOPT, is_of_d72, write_plans
+from eddi_scaffold.packages.handwritten import write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.unpacking import Unpacked, scratch_folder, unpacked
@@ -182,17 +182,14 @@ def _planned(
 
 
 def _refuse(plans: Iterable[Plan]) -> None:
-    problems = []
-    for plan in plans:
-        for refusal in plan.refusals:
-            file = plan.root / refusal.file
-            hint = ADOPT if is_of_d72(file) else None
-            place = Place(str(file), refusal.line)
-            problems.append(problem("H010", place, hint=hint, reason=refusal.text))
+    problems = [
+        problem("H010", Place(str(plan.root / refusal.file), refusal.line), reason=refusal.text)
+        for plan in plans
+        for refusal in plan.refusals
+    ]
     if problems:
-        last = problems[-1]
-        hint = last.hint or "Nothing was changed; mend this, and run the command again"
-        raise EddiError(*problems[:-1], replace(last, hint=hint))
+        hint = "Nothing was changed; mend this, and run the command again"
+        raise EddiError(*problems[:-1], replace(problems[-1], hint=hint))
 
 
 def _write(plans: Mapping[str, Plan], renames: Renames, root: Path) -> None:

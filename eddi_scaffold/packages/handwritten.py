@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
 
-from eddi_scaffold.common.files import read_regular, saved_meanwhile
+from eddi_scaffold.common.files import saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import UnwrittenInput
@@ -16,12 +15,6 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.regions.check import RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.package import EDDI, KEPT, Plan, SavedError
-
-ADOPT = (
-    "this file is of the D7.2 tools: it runs as it is, and no regeneration fits it to the model;"
-    " `eddi-scaffold adopt OLD_PACKAGE` puts its bodies into regions"
-)
-_OF_D72 = re.compile(r"^class EDDIInput\s*(\(\s*(object)?\s*\))?\s*:", re.MULTILINE)
 
 
 def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
@@ -96,31 +89,12 @@ def packages_below(folder: Path) -> list[Path]:
     return packages
 
 
-def is_of_d72(file: Path) -> bool:
-    """Return whether a file has an ``EDDIInput`` as the D7.2 tools wrote it."""
-    try:
-        return _OF_D72.search(read_regular(file).decode("utf-8", "replace")) is not None
-    except OSError:  # a FIFO as well, which would be waited for
-        return False
-
-
-def looked_at(package: Path) -> list[RegionStatus]:
-    """List the regions of a package with what a person should look at; a pasted file as a whole."""
-    pasted = cache(lambda file: is_of_d72(package / file))
-    return [
-        region._replace(notes=(*region.notes, ADOPT), review=True)
-        if pasted(region.file)
-        else region
-        for region in list_regions(package)
-    ]
-
-
 def inventory(folder: Path) -> list[RegionStatus]:
     """List the regions of all packages below a folder, with paths as the user would write them."""
     return [
         status._replace(file=str(package / status.file))
         for package in packages_below(folder)
-        for status in looked_at(package)
+        for status in list_regions(package)
     ]
 
 
