@@ -6,7 +6,7 @@ import csv
 import io
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -188,6 +188,7 @@ def adopt(
 def trace(
     packages: Packages = None,
     workspace: WherePackagesAre = None,
+    model: Path | None = None,
     as_json: bool = False,
     as_csv: bool = False,
 ) -> None:
@@ -199,29 +200,33 @@ def trace(
 
     Args:
         as_csv: Print one table for a spreadsheet.
+        model: EDDI XML; its hazards and requirements are followed to what they rest on.
     """
     from eddi_scaffold.deployments.lifetimes import bounds
     from eddi_scaffold.deployments.support import acceptances, facts_of_package
-    from eddi_scaffold.packages.tracing import COLUMNS, trace_of
+    from eddi_scaffold.packages.tracing import COLUMNS, hazard_rows, trace_of
     from eddi_scaffold.packages.upgrading import groups
 
     if as_json and as_csv:
         raise EddiError(problem("G000.exclude", options="--json and --csv"))
-    present = [
-        package for group in groups(workspace, packages or []) for package in group.present.items()
-    ]
+    chosen = groups(workspace, packages or [])
+    present = [package for group in chosen for package in group.present.items()]
     traces = [trace_of(answers) for _, answers in present if "facts" in answers]
     facts = [facts_of_package(folder, answers) for folder, answers in present]
     wired = [wire for wire in facts if wire is not None]
     accepted, limits = acceptances(wired), bounds(wired)
+    rows = hazard_rows(model, wired, chosen) if model is not None else []
+    support = {of.claim: of for row in rows for of in row.support}.values()
     if as_json:
-        console.json(
-            {
-                "packages": [trace.as_json() for trace in traces],
-                "accepted": [acceptance.as_json() for acceptance in accepted],
-                "bounds": [limit.as_json() for limit in limits],
-            }
-        )
+        document: dict[str, Any] = {
+            "packages": [trace.as_json() for trace in traces],
+            "accepted": [acceptance.as_json() for acceptance in accepted],
+            "bounds": [limit.as_json() for limit in limits],
+        }
+        if model is not None:
+            document["hazards"] = [row.as_json() for row in rows]
+            document["support"] = [of.as_json() for of in support]
+        console.json(document)
     elif as_csv:
         table = io.StringIO()
         writer = csv.writer(table, lineterminator="\n")
@@ -232,6 +237,11 @@ def trace(
         console.data(table.getvalue().rstrip("\n"))
     else:
         console.data("\n\n".join(trace.as_text() for trace in traces))
-        for title, rows in (("accepted", accepted), ("silence", limits)):
-            if rows:
-                console.data("\n".join(["", f"{title}:", *(f"  {row.as_text()}" for row in rows)]))
+        for title, lines in {
+            "accepted": [of.as_text() for of in accepted],
+            "silence": [of.as_text() for of in limits],
+            "hazards": [of.as_text() for of in rows],
+            "claims": [of.as_text() for of in support],
+        }.items():
+            if lines:
+                console.data("\n".join(["", f"{title}:", *(f"  {line}" for line in lines)]))

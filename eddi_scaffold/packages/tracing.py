@@ -9,15 +9,23 @@ from __future__ import annotations
 from ast import literal_eval
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.claims import Element
+from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.deployments.hazards import HazardRow, HazardTrace, Verification
+from eddi_scaffold.deployments.support import WiredMonitor
 from eddi_scaffold.eddi_xml.links import Link
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.compiling import MonitorFacts
 from eddi_scaffold.monitors.compiling import from_json as facts_of
+from eddi_scaffold.monitors.loading import no_model, read_models
+from eddi_scaffold.packages.handwritten import looked_at
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
+from eddi_scaffold.packages.upgrading import PackageGroup, rejoined
+from eddi_scaffold.packages.workspace import model_id
 
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
 
@@ -114,6 +122,37 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
     except (AttributeError, KeyError, SyntaxError, TypeError, ValueError) as damage:
         place = Place(f"{answers.get('package')}/{ANSWERS_FILE}")
         raise EddiError(problem("T005.damaged", place, answer=damage)) from None
+
+
+def hazard_rows(
+    eddi: Path, monitors: Sequence[WiredMonitor], groups: Iterable[PackageGroup]
+) -> list[HazardRow]:
+    """Return the rows of an EDDI for packages, of which files may differ by now.
+
+    Raises:
+        EddiError: the file is no EDDI.
+    """
+    source = read_source(eddi)
+    reading = read_models(source)
+    if reading.hazards is None:
+        raise EddiError(*(reading.problems or [no_model(source)]))
+    verified = {}
+    for group in groups:
+        made_of = {folder: of for folder, of in group.present.items() if "facts" in of}
+        models = {
+            folder: model
+            for folder, of in made_of.items()
+            for model in reading.models
+            if (model.kind, model.name) == (of["kind"], model_id(of))
+        }
+        newer = rejoined(made_of, models, {})
+        for folder, of in made_of.items():
+            regions = looked_at(group.root / folder)
+            differs = {each.file for each in regions if each.review or each.state == "outside"}
+            if folder in newer and newer[folder][0].facts.digest != facts_of(of["facts"]).digest:
+                differs.add("model")
+            verified[folder] = Verification(differs=tuple(sorted(differs)))
+    return [*HazardTrace(reading.hazards, monitors, verified=verified).rows.values()]
 
 
 def _trace_of(answers: Mapping[str, Any]) -> Trace:
