@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
-from dataclasses import replace
+from collections.abc import Collection
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -215,18 +216,19 @@ def trace(
     facts = [facts_of_package(folder, answers) for folder, answers in present]
     wired = [wire for wire in facts if wire is not None]
     accepted, limits = acceptances(wired), bounds(wired)
-    rows = hazard_rows(model, wired, chosen) if model is not None else []
+    folders = [group.root / name for group in chosen for name in group.present]
+    rows = hazard_rows(model, wired, folders) if model is not None else []
     support = {of.claim: of for row in rows for of in row.support}.values()
     if as_json:
-        document: dict[str, Any] = {
-            "packages": [trace.as_json() for trace in traces],
-            "accepted": [acceptance.as_json() for acceptance in accepted],
-            "bounds": [limit.as_json() for limit in limits],
-        }
-        if model is not None:
-            document["hazards"] = [row.as_json() for row in rows]
-            document["support"] = [of.as_json() for of in support]
-        console.json(document)
+        more = {"hazards": [row.as_json() for row in rows], "support": [*map(asdict, support)]}
+        console.json(
+            {
+                "packages": [trace.as_json() for trace in traces],
+                "accepted": [acceptance.as_json() for acceptance in accepted],
+                "bounds": [limit.as_json() for limit in limits],
+                **(more if model is not None else {}),
+            }
+        )
     elif as_csv:
         table = io.StringIO()
         writer = csv.writer(table, lineterminator="\n")
@@ -237,11 +239,8 @@ def trace(
         console.data(table.getvalue().rstrip("\n"))
     else:
         console.data("\n\n".join(trace.as_text() for trace in traces))
-        for title, lines in {
-            "accepted": [of.as_text() for of in accepted],
-            "silence": [of.as_text() for of in limits],
-            "hazards": [of.as_text() for of in rows],
-            "claims": [of.as_text() for of in support],
-        }.items():
+        parts: dict[str, Collection[Any]] = {"accepted": accepted, "silence": limits}
+        for title, lines in {**parts, "hazards": rows, "claims": support}.items():
             if lines:
-                console.data("\n".join(["", f"{title}:", *(f"  {line}" for line in lines)]))
+                texts = (f"  {line.as_text()}" for line in lines)
+                console.data("\n".join(["", f"{title}:", *texts]))

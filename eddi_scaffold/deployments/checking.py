@@ -108,9 +108,8 @@ class _Check:
         else:
             reading = read_models(source, self.marks)
             reported = [*reading.problems, *reading.unread, *_static(reading.models)]
-            has_hazards = reading.hazards is not None and bool(reading.hazards.items)
-            self.analyses += [reading.hazards] if reading.hazards and has_hazards else []
-            is_empty = not reading.models and not has_hazards
+            self.analyses += [reading.hazards] if reading.hazards is not None else []
+            is_empty = not reading.models and reading.hazards is None
             if is_xml(source) and is_empty and not has_errors(reported):
                 reported.append(self._requested(no_model(source)))
             self.models += reading.models

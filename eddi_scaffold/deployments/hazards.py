@@ -43,9 +43,9 @@ class Verification:
         """Return it in a few words."""
         if self.differs:
             return f"stale: {', '.join(self.differs)}"
-        proved = "proved" if self.is_proved else "not proved"
-        tested = "tested" if self.is_tested else "not tested"
-        return ", ".join(filter(None, (proved, tested, self.result)))
+        states = {"proved": self.is_proved, "tested": self.is_tested}
+        words = [state if holds else f"not {state}" for state, holds in states.items()]
+        return ", ".join([*words, self.result] if self.result else words)
 
 
 @dataclass(frozen=True)
@@ -77,11 +77,6 @@ class ClaimSupport:
     gates: tuple[str, ...]
     inputs: tuple[InputSupport, ...]
     known: Verification  # of the package
-
-    def as_json(self) -> dict[str, JsonValue]:
-        """Return the JSON form of ``trace --json``."""
-        known = {**vars(self.known), "text": self.known.as_text()}
-        return {**vars(self), "inputs": [vars(of) for of in self.inputs], "known": known}
 
     def as_text(self) -> str:
         """Return lines for people."""
@@ -128,6 +123,11 @@ class HazardRow:
         return max(self.lifetimes, key=lambda of: of.seconds, default=None)
 
     @property
+    def bound(self) -> str:
+        """The same for people."""
+        return "no bound is known" if self.worst is None else self.worst.as_text()
+
+    @property
     def is_in_time(self) -> bool:
         """Whether the bound is within the time, where there are both."""
         worst, within = self.worst, self.within_s
@@ -167,37 +167,28 @@ class HazardRow:
 
     def as_text(self) -> str:
         """Return lines for people."""
-        of, worst = self.item, self.worst
+        of, within = self.item, self.within_s
         lines = [*of.risks, *(f"malfunction {name}" for name in of.malfunctions)]
         lines += [f"claim {name}" for name in of.claims]
         lines += [f"through {part.title} (line {part.place.line})" for part in self.parts]
         lines += [f"observed by {text}" for text in self.observers]
         lines += [f"guarantee {guarantee.name}" for guarantee in self.guarantees]
-        if self.within_s is not None:
-            bound = "no bound is known" if worst is None else worst.as_text()
-            lines.append(f"within {self.within_s:g} s: {bound}")
+        lines += [] if within is None else [f"within {within:g} s: {self.bound}"]
         place = f"{of.place.file}:{of.place.line}"
         return "\n    ".join([f"{of.title} ({place}): {', '.join(self.states)}", *lines])
 
 
 @dataclass
 class HazardTrace:
-    """The rows of an EDDI, with what is wrong with them.
+    """The rows of an EDDI, with what is wrong with them."""
 
-    Attributes:
-        analysis: of the EDDI, as ``read_models`` returns it.
-        monitors: of the robot: ``members_of`` joined models, or ``facts_of_package``.
-        others: monitors of models that have no configuration.
-        verified: package -> what is known of it.
-        guarantees: by each name that the EDDI may use.
-        rows: path of a hazard or requirement -> its row, in document order, hazards first.
-    """
-
-    analysis: HazardAnalysis
-    monitors: Sequence[WiredMonitor]
-    others: Sequence[BoundMonitor] = ()
-    verified: Mapping[str, Verification] = field(default_factory=dict)
+    analysis: HazardAnalysis  # of the EDDI, as `read_models` returns it
+    monitors: Sequence[WiredMonitor]  # of the robot: `members_of` models, or `facts_of_package`
+    others: Sequence[BoundMonitor] = ()  # of models that have no configuration
+    verified: Mapping[str, Verification] = field(default_factory=dict)  # by package
+    # by each name that the EDDI may use
     guarantees: dict[str, Guarantee] = field(init=False, default_factory=dict)
+    # by the path of a hazard or requirement, in document order, hazards first
     rows: dict[str, HazardRow] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -270,25 +261,20 @@ class HazardTrace:
 
     def _check_row(self, row: HazardRow) -> Iterator[Problem]:
         item, place, what = row.item, row.item.place, row.item.title
-        names = ", ".join(of.name for of in row.guarantees)
         hazards = [self.rows[path] for path in item.refers_to["hazard"] if path in self.rows]
         # of a goal, what is wrong with its hazard is reported there
         is_wanted = item.kind == "hazard" or (item.is_goal and all(of.is_linked for of in hazards))
         if is_wanted and not row.guarantees:
             yield problem("J001.unlinked", place, hint=self._nearest(row), what=what)
         elif is_wanted and not row.is_linked:
+            names = ", ".join(of.name for of in row.guarantees)
             yield problem("J001.constant", place, what=what, names=names)
         elif is_wanted:
             for accepted in row.accepted:
                 yield problem("J004", place, what=what, reason=accepted.as_text())
-        if item.within_s is None or not row.is_linked or row.is_in_time:
-            return
-        within = f"{item.within_s:g}"
-        if row.worst is None:
-            yield problem("J003.unknown", place, what=what, within=within, names=names)
-        else:
-            reason = row.worst.as_text()
-            yield problem("J003.late", place, what=what, within=within, reason=reason)
+        if item.within_s is not None and row.is_linked and not row.is_in_time:
+            hint, within = _GIVE if row.worst is None else None, f"{item.within_s:g}"
+            yield problem("J003", place, hint=hint, what=what, within=within, reason=row.bound)
 
     def _nearest(self, row: HazardRow) -> str | None:
         """Return a hint at a guarantee whose evidence is linked, by a failure say."""

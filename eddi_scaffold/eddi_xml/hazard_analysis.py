@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import product
 from typing import Literal
 
 from eddi_scaffold.common import units
@@ -93,14 +94,12 @@ class HazardAnalysis:
     def _graphs(self) -> Sequence[Mapping[str, Sequence[str]]]:
         """The requirements of each hazard, and the refinements of requirements both ways."""
         of_hazards: dict[str, list[str]] = defaultdict(list)
-        refined = {path: of for path, of in self.items.items() if of.kind == "requirement"}
-        for path, of in refined.items():
+        down: dict[str, list[str]] = {}
+        known = {path: of for path, of in self.items.items() if of.kind == "requirement"}
+        for path, of in known.items():
+            down[path] = [to for to in of.refers_to["requirement"] if to in known]
             for hazard in of.refers_to["hazard"]:
                 of_hazards[hazard].append(path)
-        down = {
-            p: [to for to in of.refers_to["requirement"] if to in refined]
-            for p, of in refined.items()
-        }
         return of_hazards, down, reversed_graph(down)
 
     def parts(self, item: Item) -> list[Item]:
@@ -113,33 +112,31 @@ class HazardAnalysis:
         own = [item.path] if item.kind == "requirement" else of_hazards.get(item.path, ())
         # up or down only: two goals with one refinement are not each other's
         others = sorted({path for graph in graphs for path in reached(graph, own)})
-        paths = [item.path, *own, *others]
-        paths += item.refers_to["hazard"]
+        paths = [item.path, *own, *others, *item.refers_to["hazard"]]
         items = [self.items[path] for path in paths if path in self.items]
         measures = [path for of in items for path in of.refers_to["measure"]]
         items += [self.items[path] for path in measures if path in self.items]
         return list({of.path: of for of in items}.values())
 
 
-def hazard_analysis(document: EddiDocument) -> HazardAnalysis:
-    """Read what the dependability packages of a document say."""
+def hazard_analysis(document: EddiDocument) -> HazardAnalysis | None:
+    """Read what the dependability packages of a document say; ``None`` where it has no items."""
     reader = _Reader(document)
     items = {item.path: item for item in reader.items()}
-    for owner, maps in reader.maps[MITIGATED_BY].items():
-        for map_ in maps:
-            reader.findings.add(*unknown_tags(map_, ("guarantee",), ()))
-            if document.references.path(owner) not in items:
-                element = document.describe(owner)
-                reader.findings.report("J005.elsewhere", map_.element, element=element)
-    return HazardAnalysis(items, tuple(reader.findings.problems()))
+    for map_ in extension_maps(document, MITIGATED_BY):
+        reader.findings.add(*unknown_tags(map_, ("guarantee",), ()))
+        if document.references.path(map_.owner) not in items:
+            element = document.describe(map_.owner)
+            reader.findings.report("J005.elsewhere", map_.element, element=element)
+    return HazardAnalysis(items, tuple(reader.findings.problems())) if items else None
 
 
 class _Reader:
     def __init__(self, document: EddiDocument) -> None:
         self.document, self.findings = document, EddiFindings(document)
-        self.maps: dict[str, dict[Element, list[ExtensionMap]]] = defaultdict(dict)
+        self._maps: dict[Element, list[ExtensionMap]] = defaultdict(list)
         for map_ in extension_maps(document, MITIGATED_BY, MONITORED_BY):
-            self.maps[map_.key].setdefault(map_.owner, []).append(map_)
+            self._maps[map_.owner].append(map_)
         self._packages = [of for of in document.packages() if not document.is_monitored(of)]
 
     def _elements(self, feature: Spelling) -> list[Element]:
@@ -148,63 +145,61 @@ class _Reader:
 
     def _ends(self, element: Element, link: Spelling) -> list[Element]:
         ends, problems, _ = self.document.targets(element, link)
-        self.findings.add(*problems)
+        # what is linked may well be in a file of its own
+        self.findings.add(*(of for of in problems if of.case != "X007.resource"))
         return ends
 
-    def _referring(self) -> Mapping[str, Mapping[Element, list[str]]]:
-        """Return what else refers to items: field -> item -> texts."""
-        texts: dict[str, dict[Element, list[str]]] = {
-            name: defaultdict(list) for name in ("risks", "malfunctions", "claims")
-        }
+    def _referring(self) -> Iterator[tuple[str, Element, str]]:
+        """Yield what else is stated: field of an item, the item, and a text."""
         name_of = self.document.name_of
         for assessment in self._elements(names.RISK_ASSESSMENTS):
             stated = [assessment, *self._ends(assessment, names.RISK_PARAMETERS)]
-            for hazard in self._ends(assessment, names.HAZARD):
-                texts["risks"][hazard] += [
-                    f"{key} {of.get(key)}" for of in stated for key in _RISKS if of.get(key)
-                ]
+            risks = [f"{key} {of.get(key)}" for of in stated for key in _RISKS if of.get(key)]
+            yield from product(["risks"], self._ends(assessment, names.HAZARD), risks)
         for malfunction in self._elements(names.MALFUNCTIONS):
-            for hazard in self._ends(malfunction, names.HAZARDS):
-                texts["malfunctions"][hazard].append(name_of(malfunction))
+            hazards = self._ends(malfunction, names.HAZARDS)
+            yield from product(["malfunctions"], hazards, [name_of(malfunction)])
         for trace in (of for root in self.document.roots for of in select(root, _TRACES)):
-            for element in self._ends(trace, names.ODE_ELEMENT):
-                claims = self._ends(trace, names.SACM_ELEMENT)
-                texts["claims"][element] += [of.get("gid") or name_of(of) for of in claims]
-        return texts
+            claims = [of.get("gid") or name_of(of) for of in self._ends(trace, names.SACM_ELEMENT)]
+            yield from product(["claims"], self._ends(trace, names.ODE_ELEMENT), claims)
 
     def items(self) -> Iterator[Item]:
         """Yield all hazards, requirements and measures."""
-        document, referring = self.document, self._referring()
-        path = document.references.path
+        document, path = self.document, self.document.references.path
+        stated: dict[tuple[str, Element], list[str]] = defaultdict(list)
+        for name, element, text in self._referring():
+            stated[name, element].append(text)
         for kind, (feature, *_) in _FEATURES.items():
             for element in self._elements(feature):
-                maps = self.maps[MITIGATED_BY].get(element, ())
                 goal = document.attribute(element, names.IS_SAFETY_GOAL) or ""
+                failures = self._ends(element, names.FAILURES)
+                values = self._values(MONITORED_BY, element, *failures)
+                observers = [(value.tag, value.text) for value in values]
+                for model in (of for failure in failures for of in failure.iterancestors()):
+                    if document.is_monitored(model):
+                        tag = TAG_OF_KIND.get(document.kind_of(model) or "", "model")
+                        observers.append((tag, document.name_of(model)))
                 yield Item(
                     kind,
                     document.name_of(element),
                     document.place(element),
-                    tuple(value for map_ in maps for value in map_.of("guarantee")),
-                    tuple(dict.fromkeys(self._observers(element))),
-                    **{name: tuple(of.get(element, ())) for name, of in referring.items()},
-                    condition=document.attribute(element, names.CONDITION) or "",
-                    is_goal=goal.strip().lower() in {"true", "1"},
-                    refers_to={
+                    tuple(v for v in self._values(MITIGATED_BY, element) if v.tag == "guarantee"),
+                    tuple(dict.fromkeys(observers)),
+                    tuple(stated["claims", element]),
+                    document.attribute(element, names.CONDITION) or "",
+                    tuple(stated["risks", element]),
+                    tuple(stated["malfunctions", element]),
+                    goal.strip().lower() in {"true", "1"},
+                    {
                         to: tuple(path(end) for link in links for end in self._ends(element, link))
                         for to, links in _FEATURES.items()
                     },
-                    times=self._times(element),
+                    self._times(element),
                 )
 
-    def _observers(self, element: Element) -> Iterator[tuple[str, str]]:
-        failures = self._ends(element, names.FAILURES)
-        for owner in (element, *failures):
-            for map_ in self.maps[MONITORED_BY].get(owner, ()):
-                yield from ((value.tag, value.text) for value in map_.values)
-        for failure in failures:
-            for model in filter(self.document.is_monitored, failure.iterancestors()):
-                kind = self.document.kind_of(model) or ""
-                yield TAG_OF_KIND.get(kind, kind), self.document.name_of(model)
+    def _values(self, key: str, *owners: Element) -> Iterator[Value]:
+        maps = (map_ for owner in owners for map_ in self._maps.get(owner, ()))
+        return (value for map_ in maps if map_.key == key for value in map_.values)
 
     def _times(self, element: Element) -> dict[str, float]:
         unit, times = self.findings.key_value(element, "unit"), {}

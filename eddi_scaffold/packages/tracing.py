@@ -21,11 +21,9 @@ from eddi_scaffold.eddi_xml.links import Link
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.compiling import MonitorFacts
 from eddi_scaffold.monitors.compiling import from_json as facts_of
-from eddi_scaffold.monitors.loading import no_model, read_models
+from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.handwritten import looked_at
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
-from eddi_scaffold.packages.upgrading import PackageGroup, rejoined
-from eddi_scaffold.packages.workspace import model_id
 
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
 
@@ -125,33 +123,22 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
 
 
 def hazard_rows(
-    eddi: Path, monitors: Sequence[WiredMonitor], groups: Iterable[PackageGroup]
+    eddi: Path, monitors: Sequence[WiredMonitor], packages: Iterable[Path]
 ) -> list[HazardRow]:
-    """Return the rows of an EDDI for packages, of which files may differ by now.
+    """Return the rows of an EDDI for packages, in which files may have been edited.
 
     Raises:
-        EddiError: the file is no EDDI.
+        EddiError: the file cannot be read, or has neither hazards nor requirements (F004).
     """
     source = read_source(eddi)
     reading = read_models(source)
     if reading.hazards is None:
-        raise EddiError(*(reading.problems or [no_model(source)]))
-    verified = {}
-    for group in groups:
-        made_of = {folder: of for folder, of in group.present.items() if "facts" in of}
-        models = {
-            folder: model
-            for folder, of in made_of.items()
-            for model in reading.models
-            if (model.kind, model.name) == (of["kind"], model_id(of))
-        }
-        newer = rejoined(made_of, models, {})
-        for folder, of in made_of.items():
-            regions = looked_at(group.root / folder)
-            differs = {each.file for each in regions if each.review or each.state == "outside"}
-            if folder in newer and newer[folder][0].facts.digest != facts_of(of["facts"]).digest:
-                differs.add("model")
-            verified[folder] = Verification(differs=tuple(sorted(differs)))
+        raise EddiError(*reading.problems, problem("F004.no_hazards", Place(source.name)))
+    edited = {
+        package.name: sorted({of.file for of in looked_at(package) if of.state == "outside"})
+        for package in packages
+    }
+    verified = {name: Verification(differs=tuple(files)) for name, files in edited.items()}
     return [*HazardTrace(reading.hazards, monitors, verified=verified).rows.values()]
 
 
