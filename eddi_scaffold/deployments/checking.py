@@ -152,17 +152,17 @@ class _Check:
         lacking = () if self.is_complete else _OF_WHAT_LACKS
         self.problems += [each for each in problems if each.code not in lacking]
 
-    def of_hazards(self, *, whole: bool) -> Iterable[Problem]:
-        """Report what links hazards with guarantees: how many are not linked, or all (J...)."""
+    def of_hazards(self, *, whole: bool) -> list[Problem]:
+        """Return how many hazards are not linked, or all that is wrong with their links (J...)."""
+        if not whole or has_errors(self.problems):  # else links would seem to be missing
+            items = filter(None, (analysis.unlinked() for analysis in self.analyses))
+            return [problem("J001.count", of[0].place, number=len(of)) for of in items]
         monitors = self.monitors
-        if whole and not self.configs:  # of the EDDI alone; what they lack is no matter here
+        if not self.configs:  # of the EDDI alone; what they lack is no matter here
             monitors = join_pairs([(model, None) for model in self.models])[0]
         alone = [monitor for monitor in monitors if monitor.config is None]
-        for analysis in self.analyses:
-            if whole and not has_errors(self.problems):  # else links would seem to be missing
-                yield from HazardTrace(analysis, members_of(monitors), alone).check()
-            elif unlinked := analysis.unlinked():
-                yield problem("J001.count", unlinked[0].place, number=len(unlinked))
+        traces = [HazardTrace(of, members_of(monitors), alone) for of in self.analyses]
+        return [reported for trace in traces for reported in trace.check()]
 
 
 def _static(models: Iterable[Model]) -> list[Problem]:

@@ -86,9 +86,18 @@ class HazardAnalysis:
     problems: tuple[Problem, ...]  # names, times and references that mean nothing
 
     def unlinked(self) -> list[Item]:
-        """Return hazards and safety goals for which no guarantee is named."""
-        open_ = (item for item in self.items.values() if item.kind == "hazard" or item.is_goal)
-        return [item for item in open_ if not any(of.mitigated_by for of in self.parts(item))]
+        """Return hazards and safety goals for which no guarantee is named, in linear time."""
+        of_hazards, *graphs = self._graphs
+        named = {path for path, of in self.items.items() if of.mitigated_by}
+        named |= {path for path, of in self.items.items() if named & {*of.refers_to["measure"]}}
+        starts = named & graphs[0].keys()
+        named |= {path for graph in graphs for path in reached(graph, starts)}
+        return [
+            item
+            for path, item in self.items.items()
+            if item.kind == "hazard" or item.is_goal
+            if named.isdisjoint([path, *of_hazards.get(path, ()), *item.refers_to["hazard"]])
+        ]
 
     @cached_property
     def _graphs(self) -> Sequence[Mapping[str, Sequence[str]]]:
