@@ -23,6 +23,7 @@ from eddi_scaffold.deployments.support import (
 from eddi_scaffold.eddi_xml.hazard_analysis import HazardAnalysis, Item
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.input_rules import kind_of_message
 
 _GIVE = "give the configurations of its monitors as well"
 _LINKS = {"place", "mitigated_by", "observers", "refers_to"}  # which a row follows
@@ -66,6 +67,7 @@ class InputSupport:
     method: str  # `EDDIInput.process_PathClear`, whose region may be hand-written
     topics: tuple[str, ...]  # full names of those that it is read from
     claims: tuple[str, ...]  # of other monitors, on these topics
+    is_open: bool  # it reads a monitor that is not there
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,9 @@ class ClaimSupport:
         """Return lines for people."""
         gates = f" by {', '.join(self.gates)}" if self.gates else ""
         inputs = (
-            f"{of.id} <- {', '.join(of.claims or of.topics)} ({of.method})" for of in self.inputs
+            f"{of.id} <- {', '.join(of.claims or of.topics)} ({of.method})"
+            + (": no monitor publishes it" if of.is_open else "")
+            for of in self.inputs
         )
         known = f"{self.claim}{gates} ({self.package}: {self.known.as_text()})"
         return "\n    ".join([known, *inputs])
@@ -109,6 +113,11 @@ class HazardRow:
         return any(guarantee.rests_on for guarantee in self.guarantees)
 
     @property
+    def is_complete(self) -> bool:
+        """Whether all monitors that the guarantees rest on are there."""
+        return not any(input_.is_open for of in self.support for input_ in of.inputs)
+
+    @property
     def within_s(self) -> float | None:
         """The shortest detection time that it states, else that of its parts."""
         times = [of.within_s for of in self.parts if of.within_s is not None]
@@ -118,7 +127,8 @@ class HazardRow:
     def worst(self) -> ClaimLifetime | None:
         """The longest time from silence to the loss of the guarantees; ``None``: not known."""
         bounded = {of.claim for of in self.lifetimes}
-        if any(of.rests_on and of.claim not in bounded for of in self.guarantees):
+        unbounded = any(of.rests_on and of.claim not in bounded for of in self.guarantees)
+        if unbounded or not self.is_complete:
             return None
         return max(self.lifetimes, key=lambda of: of.seconds, default=None)
 
@@ -146,7 +156,7 @@ class HazardRow:
             "tested": all(of.is_tested for of in known),
             "in time": self.is_in_time,
         }
-        is_known = self.is_linked and bool(known)
+        is_known = self.is_linked and self.is_complete and bool(known)
         return ("linked", *(state for state, holds in states.items() if holds and is_known))
 
     def as_json(self) -> dict[str, JsonValue]:
@@ -205,9 +215,16 @@ class HazardTrace:
                         guarantee = Guarantee(name, f"{monitor}.{id_}", rests_on, place)
                         self.guarantees.setdefault(name, guarantee)
         self._below = supports(self.monitors)
+        published = {topic for monitor in self.monitors for topic, _ in monitor.published}
         support: dict[str, ClaimSupport] = {}
         for wire, read in claims_read(self.monitors):
             known = self.verified.get(wire.package, Verification())
+            absent = {
+                source.id
+                for source in wire.config.config.SimulatorOutputs
+                if kind_of_message(source.type) is not None and source.peers is None
+                if wire.topic(source.topic) not in published
+            }
             for claim in wire.facts.claims:
                 inputs = tuple(
                     InputSupport(
@@ -215,6 +232,7 @@ class HazardTrace:
                         f"EDDIInput.process_{of.attribute}",
                         tuple(dict.fromkeys(topic for topic, _ in wire.topics_read[of.id])),
                         tuple(dict.fromkeys(read[of.id])),
+                        not absent.isdisjoint(of.requires),
                     )
                     for of in wire.facts.inputs
                     if of.id in claim.rests_on

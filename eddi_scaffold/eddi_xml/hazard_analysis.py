@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from itertools import product
 from typing import Literal
@@ -212,18 +211,14 @@ class _Reader:
 
     def _times(self, element: Element) -> dict[str, float]:
         unit, times = self.findings.key_value(element, "unit"), {}
-        factor = units.factor(unit or "s", "s") or 0
         for spelling in (names.DETECTION_TIME, names.REACTION_TIME, names.LATENCY_TIME):
-            text = self.document.attribute(element, spelling) or "0"
+            text, name = self.document.attribute(element, spelling) or "0", spelling.name
             try:
-                seconds = float(Fraction(float(text)) * factor)
-            except (OverflowError, ValueError):
-                seconds = -1.0
-            if seconds > 0:
-                times[spelling.name] = seconds
-            elif seconds < 0 or (not factor and text.strip("0.")):
-                time = f"{spelling.name} {text} {unit or ''}".rstrip()
-                self.findings.report("J006.time", element, time=time)
+                times[name] = units.seconds(text if text == "0" else f"{text} {unit or 's'}")
+            except units.QuantityError as wrong:
+                hint, reason = wrong.hint, str(wrong)
+                self.findings.report("J006.time", element, hint=hint, time=name, reason=reason)
+        times = {name: of for name, of in times.items() if of}
         if times and unit is None:
             self.findings.report("J006.no_unit", element, times=", ".join(times))
         return times

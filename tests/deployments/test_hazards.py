@@ -112,6 +112,62 @@ def test_nothing_is_known_of_what_merely_exists() -> None:
     assert constant.states == ("linked",)
 
 
+def test_a_monitor_that_is_gone_turns_the_rows_that_need_it() -> None:
+    proved = {name: Verification(True, True) for name in CHAIN}
+    eddi = EDDI.replace(
+        '"warehouse/FullSpeed"/>\n        <v', '"warehouse/WalkingPace"/>\n        <v'
+    )
+    less = [of for of in monitors() if of.name != "people"]
+    trace = HazardTrace(analysis(eddi), less, verified=proved)
+    states = {of.item.name: of.states for of in trace.rows.values()}
+    assert states["HitsPerson"] == ("linked",)
+    assert states["HitsShelf"] == ("linked", "proved", "tested", "in time")
+    assert [p.code for p in trace.check()] == ["J001", "J001", "J001", "J003"]
+
+
+def test_refinements_are_followed_up_or_down() -> None:
+    """And not from one goal by a common refinement to another one."""
+    path = "//@odeProductPackages.0/@requirements"
+    goals = "".join(
+        f'<requirements name="{name}" isSafetyGoal="true" refinedRequirements="{path}.2"/>'
+        for name in ("Stop", "Slow")
+    )
+    linked = (
+        '<keyValueMaps key="eddi.mitigated_by"><values tag="guarantee" '
+        'value="warehouse/FullSpeed"/></keyValueMaps></requirements>'
+    )
+    head, tail = (
+        '<i:DDIPackage xmlns:i="i"><odeProductPackages>',
+        "</odeProductPackages></i:DDIPackage>",
+    )
+    below = analysis(f'{head}{goals}<requirements name="See">{linked}{tail}')
+    assert below.unlinked() == []
+    assert [row.states for row in HazardTrace(below, monitors()).rows.values()] == [("linked",)] * 3
+    above = goals.replace("/>", f">{linked}", 1)
+    other = analysis(f'{head}{above}<requirements name="See"/>{tail}')
+    assert [item.name for item in other.unlinked()] == ["Slow"]
+    states = {of.item.name: of.states for of in HazardTrace(other, monitors()).rows.values()}
+    assert states == {"Stop": ("linked",), "Slow": ("unlinked",), "See": ("linked",)}
+
+
+def test_failures_and_traces_lead_to_observers_and_claims() -> None:
+    path, case = "//@odeProductPackages", "//@assuranceCasePackages.0/@claims.0"
+    eddi = (
+        '<i:DDIPackage xmlns:i="i" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">'
+        f'<odeProductPackages><hazards name="H" failures="{path}.1/@failureModels.0/@failures.0"/>'
+        '</odeProductPackages><odeProductPackages xsi:type="f:FailureLogicPackage">'
+        '<failureModels xsi:type="f:FaultTree" name="power"><failures name="F"><keyValueMaps '
+        'key="eddi.monitored_by"><values tag="safeml" value="people"/></keyValueMaps></failures>'
+        '</failureModels></odeProductPackages><assuranceCasePackages><claims gid="G1"/>'
+        f'</assuranceCasePackages><traceabilityPackages><traces odeElement="{path}.0/@hazards.0" '
+        f'sacmElement="{case}"/></traceabilityPackages></i:DDIPackage>'
+    )
+    hazard = row("H", eddi)
+    assert hazard.item.claims == ("G1",)
+    assert hazard.observers == ("safeml people", "reliability power")
+    assert hazard.states == ("observed",)
+
+
 def test_what_only_observes_withdraws_nothing(tmp_path: Path) -> None:
     """And the nearest guarantee is named: its evidence rests on the same event."""
     (tmp_path / "landing.xml").write_bytes(LANDING.read_bytes())
