@@ -149,6 +149,8 @@ def show(
         console.json({**survey, "accepted": rows} if configs else survey)
     else:
         _print(survey, reading.models, [joined for model, joined in pairs if model in chosen])
+        for item in reading.hazards.items.values() if reading.hazards and name is None else ():
+            console.data(item.title)
         if accepted:
             console.data("\n".join(["", "accepted:", *(f"  {a.as_text()}" for a in accepted)]))
     of_models = [] if as_json else [*reading.problems, *reading.unread, *unfit(chosen)]

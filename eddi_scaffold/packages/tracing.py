@@ -133,7 +133,8 @@ def hazard_rows(
     source = read_source(eddi)
     reading = read_models(source)
     if reading.hazards is None:
-        raise EddiError(*reading.problems, problem("F004.no_hazards", Place(source.name)))
+        errors = [of for of in reading.problems if of.level == "error"]
+        raise EddiError(*(errors or [problem("F004.no_hazards", Place(source.name))]))
     edited = {
         package.name: sorted({of.file for of in looked_at(package) if of.state == "outside"})
         for package in packages

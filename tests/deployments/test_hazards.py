@@ -218,6 +218,14 @@ def test_trace_follows_hazards_to_topics(generated: Path) -> None:
     }
 
 
+def test_trace_refuses_what_has_no_hazards(generated: Path) -> None:
+    for file, code in (("robot.yml", "F003"), ("gone.xml", "F001"), ("two_conserts.xml", "F004")):
+        shutil.copy(ROOT / "examples" / "two-conserts" / "two_conserts.xml", generated)
+        result = run("trace", "-w", "out", "-m", file, cwd=generated)
+        assert (result.status, result.out) == (2, "")
+        assert f"[{code}]" in result.err
+
+
 def test_an_edited_monitor_makes_its_rows_stale(generated: Path, tmp_path: Path) -> None:
     """Only those whose guarantee rests on it: walking pace needs no camera."""
     shutil.copytree(generated, tmp_path, dirs_exist_ok=True)
