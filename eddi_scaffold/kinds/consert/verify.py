@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.graphs import in_order
+from eddi_scaffold.common.problems import plural
 from eddi_scaffold.evidence.emitted import (
     Call,
     Class,
@@ -189,7 +190,7 @@ class _Proof:
             self._execute(execute)
         emitted.end(monitor)
         names = ", ".join(guarantee.id for guarantee in self.consert.guarantees) or "no guarantee"
-        yield f"{names} for all verdicts of {len(self.nodes)} inputs"
+        yield f"{names} for all verdicts of {plural(len(self.nodes), 'input')}"
 
     def _leaf(self, k: int) -> Call:
         dimension = dimension_of(self.nodes[k])
