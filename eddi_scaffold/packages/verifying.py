@@ -89,15 +89,16 @@ def checked(monitor: BoundMonitor, text: str) -> tuple[list[str], list[Finding]]
     parts = {part: f"eddi_runtime.{part}" for part in (kind, "expressions")}
     modules = {"eddi_runtime": "eddi_runtime", **parts}
     formats = {part: importlib.import_module(name).FORMAT for part, name in modules.items()}
-    emitted = Emitted(text, kind, declared, formats)
+    findings: list[Finding] = []
     try:
-        emitted.read()
+        emitted = Emitted(text, kind, declared, formats)
+        findings = emitted.findings
         proved += monitor.model.verify(emitted)
         proved += [plural(len(monitor.bound), "input"), *expressions(emitted)]
         emitted.end()
     except UnprovedError as refused:
-        emitted.findings.append(Finding(refused.line, str(refused), differs=False))
-    return [] if emitted.findings else proved, emitted.findings
+        findings.append(Finding(refused.line, str(refused), differs=False))
+    return [] if findings else proved, findings
 
 
 def verified(

@@ -1,7 +1,7 @@
 """Whether the text of a monitor is its ConSert: gates as functions of the inputs, all else as data.
 
-Truth values are three, AND is the least and OR the greatest; functions of these that are equal for
-TRUE and FALSE are equal, so two-valued decision diagrams decide (Bryant 1986).
+AND is the least, OR the greatest of three truth values. Equal normal forms are equal functions; for
+others the minimal path and cut sets of the model decide, since the functions are monotone.
 """
 
 from __future__ import annotations
@@ -24,31 +24,12 @@ from eddi_scaffold.evidence.emitted import (
     read_inputs,
     unpacked,
 )
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    CategoricalDimension,
-    ConSert,
-)
+from eddi_scaffold.kinds.consert.consert import BinaryDimension, CategoricalDimension, ConSert
 from eddi_scaffold.kinds.consert.ranges import exact
-from eddi_scaffold.kinds.consert.vectors import dimension_of, in_unit
+from eddi_scaffold.kinds.consert.vectors import ConSertVectors, dimension_of, in_unit
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.options import ConSertOptions
-
-_MOST_NODES = 100_000
-_BINARY = """\
-if X is {}:
-    X = 2
-else:
-    X = 0 if X is {} else 1 if X is None else self.judge(K, X)"""
-_OTHER = "X = 1 if X is None else self.judge(K, X)"
-_TEXT = f"if type(X) is str:\n    X = 2 if X in S else 0\nelse:\n    {_OTHER}"
-_NUMBER = f"if type(X) is float or type(X) is int:\n    I\nelse:\n    {_OTHER}"
-_RANGES = {
-    closed: f"if A <= X {sign} B:\n    X = 2\nelse:\n    E"
-    for closed, sign in ((1, "<="), (0, "<"))
-}
-
 
 _GATES = {
     "And": "R = A if A < B else B",
@@ -64,82 +45,26 @@ class Functions:
 
     def __init__(self, leaves: Sequence[str]) -> None:
         self._numbers: dict[tuple[str, tuple[int, ...]], int] = {}
-        self._rows: list[tuple[str, tuple[int, ...]]] = []
-        self.false, self.true = self.gate("Or", ()), self.gate("And", ())
+        self.constant = self.gate("Or", ()), self.gate("And", ())
         self.leaves = {leaf: self._add(leaf, (k,)) for k, leaf in enumerate(leaves)}
-        self._nodes = [(len(leaves), 0, 0), (len(leaves), 1, 1)]  # variable, if FALSE, if TRUE
-        self._known: dict[tuple[int, ...] | tuple[int, str, int], int] = {}
 
     def _add(self, op: str, args: tuple[int, ...]) -> int:
-        if (op, args) not in self._numbers:
-            self._numbers[op, args] = len(self._rows)
-            self._rows.append((op, args))
-        return self._numbers[op, args]
+        return self._numbers.setdefault((op, args), len(self._numbers))
 
     def gate(self, op: str, args: Iterable[int]) -> int:
         """Return the And or Or of functions: flat, sorted, without duplicates."""
-        inner: set[int] = set()
+        rows, inner = [*self._numbers], set[int]()
         for arg in args:
-            of, below = self._rows[arg]
-            inner.update(below if of == op else (arg,))
+            inner.update(rows[arg][1] if rows[arg][0] == op else (arg,))
         return inner.pop() if len(inner) == 1 else self._add(op, tuple(sorted(inner)))
 
-    def diagram(self, function: int) -> int:
-        """Return the decision diagram of a function."""
-        op, args = self._rows[function]
-        if op not in ("And", "Or"):
-            return self._node(args[0], 0, 1)
-        if (function,) not in self._known:
-            result = int(op == "And")
-            for arg in args:
-                result = self._both(op, result, self.diagram(arg))
-            self._known[function,] = result
-        return self._known[function,]
-
-    def _node(self, variable: int, low: int, high: int) -> int:
-        key = (variable, low, high)
-        if low != high and key not in self._known:
-            if len(self._nodes) == _MOST_NODES:
-                raise UnprovedError(None, "its decision diagram is too large")
-            self._nodes.append(key)
-            self._known[key] = len(self._nodes) - 1
-        return low if low == high else self._known[key]
-
-    def _both(self, op: str, a: int, b: int) -> int:
-        for one, other in ((a, b), (b, a)):
-            if one == other or one == int(op == "And"):
-                return other
-            if one == int(op == "Or"):
-                return one
-        key = (min(a, b), op, max(a, b))
-        if key not in self._known:
-            variable = min(self._nodes[a][0], self._nodes[b][0])
-            (a0, a1), (b0, b1) = (
-                self._nodes[k][1:] if self._nodes[k][0] == variable else (k, k) for k in (a, b)
-            )
-            self._known[key] = self._node(variable, self._both(op, a0, b0), self._both(op, a1, b1))
-        return self._known[key]
-
-    def witness(self, true: int, false: int) -> dict[str, bool] | None:
-        """Return leaves for which one function is TRUE and the other is not."""
-        names = [*self.leaves]
-        waiting: list[tuple[int, int, dict[str, bool]]]
-        waiting, seen = [(self.diagram(true), self.diagram(false), {})], set()
-        while waiting:
-            a, b, given = waiting.pop()
-            variable = min(self._nodes[a][0], self._nodes[b][0])
-            if (a, b) == (1, 0):
-                return given
-            if (a, b) in seen or variable == len(names):
-                continue
-            seen.add((a, b))
-            for value in (True, False):
-                below = (
-                    self._nodes[k][1 + value] if self._nodes[k][0] == variable else k
-                    for k in (a, b)
-                )
-                waiting.append((*below, {**given, names[variable]: value}))  # type: ignore[arg-type]
-        return None
+    def value(self, function: int, given: Sequence[int]) -> int:
+        """Return the value of a function: 0, 1 or 2."""
+        values: list[int] = []
+        for op, args in self._numbers:
+            of = [values[arg] for arg in args] if op in ("And", "Or") else [given[args[0]]]
+            values.append(min(of, default=2) if op == "And" else max(of, default=0))
+        return values[function]
 
 
 def verify(consert: ConSert, options: ConSertOptions, emitted: Emitted) -> Iterator[str]:
@@ -152,218 +77,178 @@ class _Proof:
         self.consert, self.options, self.emitted = consert, options, emitted
         nodes = {node.id: node for node in consert.leaf_nodes}
         self.inputs = emitted.declared.inputs
-        self.nodes = [nodes[input_.id] for input_ in self.inputs]
+        self.dimensions = [dimension_of(nodes[input_.id]) for input_ in self.inputs]
+        self.sets = ConSertVectors(consert)
         self.functions = functions = Functions([input_.id for input_ in self.inputs])
-        self.ors = {gate.id for gate in consert.gates if gate.function == "Or"}
+        self.gates = {g.id: g.function for g in consert.gates}
         self.of_model = dict(functions.leaves)
-        self.of_model |= {g.id: functions.true for g in consert.guarantees if g.default}
+        self.of_model |= {g.id: functions.constant[1] for g in consert.guarantees if g.default}
         for id_ in in_order(consert.inputs):
             if id_ not in self.of_model:
-                gate = "Or" if id_ in self.ors else "And"
                 args = [self.of_model[source] for source in consert.inputs[id_]]
-                self.of_model[id_] = functions.gate(gate, args)
+                self.of_model[id_] = functions.gate(self.gates.get(id_, "And"), args)
 
     def proved(self) -> Iterator[str]:
         """Yield what is proved."""
         emitted, monitor = self.emitted, self.emitted.monitor("consert.ConSert")
-        leaves = (self._leaf(k) for k in range(len(self.nodes)))
-        emitted.attribute(monitor, "leaves", tuple(leaves))
+        emitted.attribute(monitor, "leaves", tuple(map(self._leaf, range(len(self.inputs)))))
         numbers = self._graph(monitor)
-        self._guarantees(monitor, numbers)
+        guarantees = tuple(self._guarantees(numbers))
+        emitted.attribute(monitor, "guarantees", guarantees)
         services = [(service.id, service.members) for service in self.consert.provided_services]
         emitted.attribute(monitor, "services", tuple(services) or None)
-        made = monitor.method("__init__", "self")
-        filter_ = None
-        if made is not None:
-            filter_ = made.take("super().__init__(F)")["F"]
-            made.end()
-        if filter_ is not None or self.options.filter:
+        if self.options.filter:
             name = f"filters.{self.options.filter.capitalize()}"
+            made = monitor.method("__init__", "self")
+            filter_ = made.take("super().__init__(F)")["F"] if made else None
             emitted.same("the filter", filter_, Call(name, (self.options.filter_steps,)))
         step = monitor.method("step", "self, source")
         if step is not None:
             self._step(step)
-        elif numbers is None:
+        elif not numbers:
             raise UnprovedError(monitor.node, "nothing says what a step does")
         execute = monitor.method("execute_step", "self, source, t_ns=None")
         if execute is not None:
             self._execute(execute)
         emitted.end(monitor)
         names = ", ".join(guarantee.id for guarantee in self.consert.guarantees) or "no guarantee"
-        yield f"{names} for all verdicts of {plural(len(self.nodes), 'input')}"
+        yield f"{names} for all verdicts of {plural(len(self.inputs), 'input')}"
 
     def _leaf(self, k: int) -> Call:
-        dimension = dimension_of(self.nodes[k])
+        dimension, factor = self.dimensions[k], self.inputs[k].factor
         if isinstance(dimension, BinaryDimension):
             return Call("consert.Binary", () if dimension.value else (False,))
         if isinstance(dimension, CategoricalDimension):
             return Call("consert.Categorical", dimension.covered)
-        ranges, factor = self._ranges(k), self.inputs[k].factor
         text = " or ".join(covered.text() for covered in dimension.covered)
         text += f" {dimension.uom}" if dimension.uom else ""
+        ranges, more = tuple(self._ranges(k)), () if factor is None else (factor,)
         if factor is not None:
             ends = (f"[{start:.9g}, {end:.9g}{']' if in_ else ')'}" for start, end, in_ in ranges)
             text = f"{' or '.join(ends)}, which is {text}"
         unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
         needs = f"{' or '.join(covered.short for covered in dimension.covered)} {unit}".rstrip()
-        shown = (text, needs, unit) if factor is None else (text, needs, unit, factor)
-        return Call("consert.Numeric", (ranges, *shown))
+        return Call("consert.Numeric", (ranges, text, needs, unit, *more))
 
-    def _ranges(self, k: int) -> tuple[tuple[float, float, bool], ...]:
-        factor, rows = self.inputs[k].factor, []
-        for covered in getattr(dimension_of(self.nodes[k]), "covered", ()):
+    def _ranges(self, k: int) -> Iterator[tuple[float, float, bool]]:
+        for covered in getattr(self.dimensions[k], "covered", ()):
             start, end = (
-                in_unit(bound, factor) if exact(bound) else bound.value
+                in_unit(bound, self.inputs[k].factor) if exact(bound) else bound.value
                 for bound in (covered.start, covered.end)
             )
             start = start if covered.start_inclusive else math.nextafter(start, math.inf)
-            rows.append((start, end, covered.inclusive))
-        return tuple(rows)
+            yield start, end, covered.inclusive
 
-    def _graph(self, monitor: Class) -> list[str] | None:
-        """Return what the numbers of the graph are that the runtime searches."""
+    def _graph(self, monitor: Class) -> list[str]:
+        """Return what the numbers of the graph are that the runtime searches, if it has one."""
         node = monitor.attributes.pop("graph", None)
         if node is None:
-            return None
-        holes = matched("search.Graph(inputs, R)", [node])
-        rows = data(holes["R"]) if holes else ()
+            return []
+        holes = matched("search.Graph(inputs, R)", node) or {"R": node}
+        rows = data(holes["R"])
         names = [*self.functions.leaves, *(row[0] for row in rows)]
-        expected = []
-        for name in names[len(self.nodes) :]:
-            known = names[: names.index(name)]
-            sources = self.consert.inputs.get(name, ())
-            if name in known or not {*sources} <= {*known}:
-                raise UnprovedError(node)
-            gate = "Or" if name in self.ors else "And"
-            expected.append((name, gate, tuple(map(names.index, sources))))
-        if len(names) != len(self.consert.nodes):
+        numbers, inputs = {name: k for k, name in enumerate(names)}, self.consert.inputs
+        if sorted(names) != sorted(inputs):
             raise UnprovedError(node)
-        self.emitted.same("the graph", holes["R"] if holes else node, tuple(expected))
+        expected = []
+        for row in rows:
+            sources = tuple(numbers[source] for source in inputs[row[0]])
+            if any(source >= numbers[row[0]] for source in sources):
+                raise UnprovedError(node)
+            expected.append((row[0], self.gates.get(row[0], "And"), sources))
+        self.emitted.same("the graph", holes["R"], tuple(expected))
         return names
 
-    def _guarantees(self, monitor: Class, numbers: Sequence[str] | None) -> None:
-        node = monitor.attributes.pop("guarantees", None)
-        expected = []
-        rows = node.elts if isinstance(node, ast.Tuple) else []
-        for k, guarantee in enumerate(self.consert.guarantees):
-            id_, keywords = guarantee.id, dict[str, object]()
-            row = rows[k] if k < len(rows) else None
-            published = self.options.published(id_)
-            for keyword in row.keywords if isinstance(row, ast.Call) else ():
-                if keyword.arg == "paths" and numbers is None:
-                    self._paths(id_, keyword.value)
-                    keywords["paths"] = data(keyword.value)
-            if numbers is not None:
-                keywords["node"] = numbers.index(id_)
-            keywords |= {"published": published} if published != id_ else {}
-            keywords |= {"default": True} if guarantee.default else {}
-            keywords |= {} if guarantee.ranking is None else {"ranking": guarantee.ranking}
-            if not {"node", "paths"} & {*keywords}:
-                raise UnprovedError(node, f"nothing gives {id_}")
-            expected.append(Call("consert.Guarantee", (id_,), keywords))
-        self.emitted.same("guarantees", node, tuple(expected))
+    def _guarantees(self, numbers: Sequence[str]) -> Iterator[Call]:
+        for guarantee in self.consert.guarantees:
+            sets, id_ = self.sets.paths[guarantee.id], guarantee.id
+            paths = sorted((tuple(sorted(one)) for one in sets or ()), key=lambda p: (len(p), p))
+            named = {
+                "node": numbers.index(id_) if numbers else None,
+                "paths": None if numbers else tuple(paths),
+                "published": self.options.published(id_),
+                "default": guarantee.default or None,
+                "ranking": guarantee.ranking,
+            }
+            named["published"] = None if named["published"] == id_ else named["published"]
+            known = {key: value for key, value in named.items() if value is not None}
+            yield Call("consert.Guarantee", (id_,), known)
 
-    def _paths(self, id_: str, node: ast.expr) -> None:
-        """Compare path sets: together they are the function, and none holds another one."""
-        paths, functions = data(node), self.functions
-        if {leaf for path in paths for leaf in path} <= {*functions.leaves}:
-            ands = [functions.gate("And", map(functions.leaves.get, path)) for path in paths]  # type: ignore[arg-type]
-            self._compare(f"paths of {id_}", node, functions.gate("Or", ands), id_)
-            if any({*a} <= {*b} for a in paths for b in paths if a is not b) or any(
-                len({*path}) < len(path) for path in paths
-            ):
-                self.emitted.differs(node, f"paths of {id_} are not the smallest")
-            if list(paths) != sorted((tuple(sorted(p)) for p in paths), key=lambda p: (len(p), p)):
-                self.emitted.differs(node, f"paths of {id_} are in another order")
-        else:
-            raise UnprovedError(node)
-
-    def _compare(self, what: str, node: ast.AST, function: int, id_: str) -> None:
-        """Compare a function of the text with that of a node of the model."""
-        expected, functions = self.of_model[id_], self.functions
-        if function == expected:
+    def _compare(self, node: ast.AST, function: int, id_: str) -> None:
+        """Compare a function with that of the model."""
+        if function == self.of_model[id_]:
             return
-        for high, low, more in ((function, expected, True), (expected, function, False)):
-            given = functions.witness(high, low)
-            if given is None:
-                continue
-            # what is not TRUE may be UNKNOWN: it makes nothing active
-            point = " ".join(f"{k}={'T' if v else 'U'}" for k, v in given.items())
-            point += ", the rest U" if len(given) < len(functions.leaves) else ""
-            verdict = "FALSE" if low == functions.false else "UNKNOWN"
-            says = (
-                f"active, the model says {verdict}" if more else "not active, the model says TRUE"
-            )
-            self.emitted.differs(node, f"{point.removeprefix(', ')}: {what} {says}")
-            return
+        paths, cuts = self.sets.paths[id_], self.sets.cuts[id_]
+        if paths is None or cuts is None:
+            raise UnprovedError(node, f"{id_} has another form than in the model")
+        for sets, inside, rest in ((paths, 2, 1), (cuts, 1, 2)):
+            for leaves in sets:
+                given = [inside if leaf in leaves else rest for leaf in self.functions.leaves]
+                got = self.functions.value(function, given)
+                if (got == 2) == (inside == 2):
+                    continue
+                point = " ".join(
+                    f"{leaf}={'FUT'[of]}"
+                    for leaf, of in zip(self.functions.leaves, given, strict=True)
+                )
+                verdict = ("FALSE", "UNKNOWN", "TRUE")[
+                    self.functions.value(self.of_model[id_], given)
+                ]
+                word = "active" if got == 2 else "not active"
+                self.emitted.differs(node, f"{point}: {id_} {word}, the model says {verdict}")
+                return
 
     def _step(self, lines: Lines) -> None:
         kept = "self.raw, self._source = raw, source"
-        attributes = [(input_.attribute, None) for input_ in self.inputs]
-        names = read_inputs(lines, attributes, kept)
-        values: dict[str, int] = {}
+        names = read_inputs(lines, [(input_.attribute, None) for input_ in self.inputs], kept)
         for k, name in enumerate(names):
-            self._judged(lines, k, name)
-            values[name] = self.functions.leaves[self.inputs[k].id]
+            holes = lines.take(*self._judged(k, name))
+            if any(
+                ast.unparse(of) != letter for letter, of in holes.items()
+            ):  # a name of one letter
+                raise UnprovedError(holes[name])
         if self.options.filter and names:
             tuple_ = lines.take("values = V")["V"]
             self.emitted.same("what is filtered", tuple_, tuple(map(Call, names)))
             if unpacked(lines, "self.filter.apply(values)", len(names)) != names:
                 raise UnprovedError(tuple_)
+        values = dict(zip(names, self.functions.leaves.values(), strict=True))
+        values |= {"0": self.functions.constant[0], "2": self.functions.constant[1]}
 
         def value(node: ast.AST) -> int:
-            if isinstance(node, ast.Constant) and repr(node.value) in ("0", "2"):
-                return self.functions.true if node.value else self.functions.false
-            if not isinstance(node, ast.Name) or node.id not in values:
+            if (function := values.get(ast.unparse(node))) is None:
                 raise UnprovedError(node)
-            return values[node.id]
+            return function
 
         gate, holes = lines.which(_GATES)
         while gate:
-            if not isinstance(holes["R"], ast.Name):
-                raise UnprovedError(holes["R"])
-            args = [value(holes["A"]), value(holes.get("B", holes["R"]))]
-            values[holes["R"].id] = self.functions.gate(gate.strip(), args)
+            args = [value(holes["A"]), value(holes["B" if "B" in holes else "R"])]
+            values[ast.unparse(holes["R"])] = self.functions.gate(gate.strip(), args)
             gate, holes = lines.which(_GATES)
         lines.end()
         flags = getattr(holes["V"], "elts", ())
         if len(flags) != len(self.consert.guarantees):
             raise UnprovedError(holes["V"], "it returns other guarantees")
         for flag, guarantee in zip(flags, self.consert.guarantees, strict=True):
-            of = matched("A == 2", [flag])
-            if of is None:
-                raise UnprovedError(flag)
-            self._compare(guarantee.id, flag, value(of["A"]), guarantee.id)
+            of = matched("A == 2", flag) or {"A": flag}
+            self._compare(flag, value(of["A"]), guarantee.id)
 
-    def _judged(self, lines: Lines, k: int, name: str) -> None:
-        """Take the lines that judge what was read: fast ones for common types, else the runtime."""
-        dimension = dimension_of(self.nodes[k])
-        forms = [_OTHER]
+    def _judged(self, k: int, x: str) -> tuple[str, str]:
+        """Return how an input is judged: by the runtime, and quickly for common types."""
+        dimension, unknown = self.dimensions[k], f"1 if {x} is None else self.judge({k}, {x})"
+        test, known = f"type({x}) is float or type({x}) is int", ""
         if isinstance(dimension, BinaryDimension):
-            forms.append(_BINARY.format(dimension.value, not dimension.value))
+            test, known = f"{x} is {dimension.value}", f"{x} = 2"
+            unknown = f"0 if {x} is {not dimension.value} else {unknown}"
+        elif isinstance(dimension, CategoricalDimension):
+            texts = ", ".join(map(repr, dimension.covered))
+            test, known = f"type({x}) is str", f"{x} = 2 if {x} in {{{texts}}} else 0"
         else:
-            forms.append(_TEXT if isinstance(dimension, CategoricalDimension) else _NUMBER)
-        holes = lines.take(*forms)
-        if ast.unparse(holes["X"]) != name or ast.unparse(holes["K"]) != str(k):
-            raise UnprovedError(holes["X"], "another input is judged")
-        if "S" in holes:
-            got, expected = data(holes["S"]), {*getattr(dimension, "covered", ())}
-            if got != expected or len(holes["S"].elts) != len(expected):
-                self.emitted.differs(holes["S"], f"what is good of {self.inputs[k].id}")
-        if "I" in holes:
-            rest, rows = holes["I"], []
-            while (last := matched("X = 0 if X == X else 1", [rest])) is None:
-                ranges = ((closed, matched(form, [rest])) for closed, form in _RANGES.items())
-                closed, range_ = next((row for row in ranges if row[1] is not None), (0, None))
-                if range_ is None or ast.unparse(range_["X"]) != name:
-                    raise UnprovedError(rest)
-                rows.append((data(range_["A"]), data(range_["B"]), bool(closed)))
-                rest = range_["E"]
-            if ast.unparse(last["X"]) != name:
-                raise UnprovedError(rest)
-            if (expected_rows := self._ranges(k)) != tuple(rows):
-                text = f"good of {self.inputs[k].id} is {rows}, the model says {expected_rows}"
-                self.emitted.differs(holes["I"], text)
+            for start, end, closed in self._ranges(k):
+                inside = f"{start} <= {x} {'<=' if closed else '<'} {end}".replace("inf", "INF")
+                known += f"{'el' if known else ''}if {inside}:\n        {x} = 2\n    "
+            known += f"else:\n        {x} = 0 if {x} == {x} else 1"
+        return f"{x} = {unknown}", f"if {test}:\n    {known}\nelse:\n    {x} = {unknown}"
 
     def _execute(self, lines: Lines) -> None:
         lines.take("eddi_runtime.look_again(source, t_ns)")
