@@ -91,6 +91,8 @@ def _is_hole(name: object) -> bool:
 def _unify(form: Any, node: Any, holes: Holes) -> bool:
     if isinstance(form, ast.Name) and _is_hole(form.id):
         before = holes.setdefault(form.id, node)
+        if isinstance(before, ast.Name) and isinstance(node, ast.Name):
+            return before.id == node.id
         return before is node or ast.unparse(before) == ast.unparse(node)
     if isinstance(form, ast.Attribute) and _is_hole(form.attr):
         is_same = isinstance(node, ast.Attribute) and _unify(form.value, node.value, holes)
@@ -196,7 +198,8 @@ class Emitted:
             raise UnprovedError(None, f"it is no Python: {error}") from None
         names, parts = set[str](), dict[str, int]()
         for node in tree.body[1 if ast.get_docstring(tree) is not None else 0 :]:
-            taken, new = ast.unparse(node), ""
+            is_small = not isinstance(node, ast.ClassDef | ast.FunctionDef)
+            taken, new = ast.unparse(node) if is_small else "", ""
             match node:
                 case ast.Import() if taken == "import eddi_runtime":
                     new = "eddi_runtime"

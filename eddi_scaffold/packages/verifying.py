@@ -61,11 +61,17 @@ class Verified:
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``verify --json``."""
-        findings: list[JsonValue] = [
-            {"line": of.line, "text": of.text, "differs": of.differs} for of in self.findings
-        ]
-        lists = {name: [*of] for name, of in vars(self).items() if not isinstance(of, str)}
-        return {**vars(self), **lists, "findings": findings, "holds": self.holds}
+        return {
+            "package": self.package,
+            "model": {"file": self.source, "sha256": self.sha256},
+            "holds": self.holds,
+            "proved": [*self.proved],
+            "findings": [of._asdict() for of in self.findings],
+            "tested": self.tested,
+            "failed": [*self.failed],
+            "not": [*self.by_hand],
+            "trusted": [*self.trusted],
+        }
 
     def as_text(self) -> str:
         """Return a few lines for people."""
@@ -152,6 +158,13 @@ def vectors_in(text: bytes | str) -> int:
     """Return how many vectors there are in the text of a file of them."""
     data = json.loads(text) if text else {}
     return len(data.get("vectors", ())) + len(data.get("runs", ()))
+
+
+def in_short(monitor: BoundMonitor, files: Mapping[str, bytes]) -> str:
+    """Return what is shown of a monitor that was generated."""
+    _, findings = checked(monitor, monitor.compiled.text)
+    word = f"not proved, {findings[0].text}" if findings else "proved"
+    return f"{monitor.package}: {plural(vectors_in(files.get(VECTORS, b'')), 'vector')}; {word}"
 
 
 def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tuple[int, list[str]]:

@@ -48,4 +48,4 @@ def verify(
     emitted.attribute(monitor, "events", tuple(events))
     of_inputs(emitted, monitor, program, units)
     emitted.end(monitor)
-    yield f"{', '.join(result.id for result in program.results)} (its conditions, each window)"
+    yield f"conditions of {', '.join(result.id for result in program.results)}"
