@@ -17,6 +17,7 @@ from typing import Any
 
 import eddi_runtime
 from eddi_runtime.inputs import EDDIInputBase
+from eddi_runtime.plain_values import one_line
 from eddi_runtime.testing import failures
 
 from eddi_scaffold.common.files import next_to, read_regular, read_source
@@ -129,7 +130,7 @@ def verified(
     present = {folder: answers}
     models, _ = newer_models(replace(group, present=present), path, own)
     monitor, _ = rejoined(present, models, own)[folder]
-    code = next(name for name in answers["files"] if name.endswith("compiled.py"))
+    code = next((name for name in answers["files"] if name.endswith("compiled.py")), "")
     file = next_to(str(package / ANSWERS_FILE), code)
     text = read_regular(file).decode("utf-8", "replace")
     proved, findings = checked(monitor, text)
@@ -176,8 +177,12 @@ def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tupl
     file = package / VECTORS
     if not file.is_file() or read_regular(file) != vectors:
         return 0, [f"{VECTORS} is not that of the model"]
-    class_ = module_of(text, monitor.model.name, lambda name: read_regular(code / name)).Monitor
-    return vectors_in(vectors), failures(str(file), class_, _input_class(class_.inputs))
+    try:
+        class_ = module_of(text, monitor.model.name, lambda name: read_regular(code / name)).Monitor
+        failed = failures(str(file), class_, _input_class(class_.inputs))
+    except Exception as failure:  # noqa: BLE001 - such as a name that is not imported
+        failed = [f"it does not run: {one_line(failure)}"]
+    return vectors_in(vectors), failed
 
 
 def _input_class(inputs: Sequence[Any]) -> type[Any]:
