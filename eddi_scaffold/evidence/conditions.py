@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -20,31 +21,13 @@ from eddi_scaffold.evidence.emitted import (
     data,
     read_inputs,
 )
+from eddi_scaffold.evidence.reductions import VALUES, number, reduced
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.instructions import Operation, Program, Read
-    from eddi_scaffold.program.lists import Reduction
 
-_VALUES = {
-    "lt": "2 if A < B else 0 if A >= B else 1",
-    "le": "2 if A <= B else 0 if A > B else 1",
-    "gt": "2 if A > B else 0 if A <= B else 1",
-    "ge": "2 if A >= B else 0 if A < B else 1",
-    "eq": "2 if A == B else 0 if A < B or A > B else 1",
-    "ne": "0 if A == B else 2 if A < B or A > B else 1",
-    "eq_bool": "1 if A == 1 or B == 1 else 2 - (A ^ B)",
-    "ne_bool": "1 if A == 1 or B == 1 else A ^ B",
-    "xor": "1 if A == 1 or B == 1 else A ^ B",
-    "not": "2 - A",
-    "abs": "abs(A)",
-    "least": "NAN if A != A or B != B else B if B < A else A",
-    "greatest": "NAN if A != A or B != B else B if B > A else A",
-    "known": "2 if A == A else 0",
-    "known_bool": "0 if A == 1 else 2",
-}
-"""What a value becomes: no pair but a comparison and its exact negation leaves NaN UNKNOWN."""
 _FORMS = {
-    **{op: f"R = {text}" for op, text in _VALUES.items()},
+    **{op: f"R = {text}" for op, text in VALUES.items()},
     "and": "R = A if A < B else B",
     "or": "R = A if A > B else B",
     "eq_enum": "R = 1 if A < 0 or B < 0 else 2 if A == B else 0",
@@ -76,30 +59,13 @@ self.P = A
 R = NAN if self.E is None else (t - self.E) / 1e9""",
     "age": "R = NAN if self.E is None else (t - self.E) / 1e9",
 }
-_OF_ELEMENTS = {
-    **_VALUES,
-    "and": "min(A, B)",
-    "or": "max(A, B)",
-    "implies": "max(2 - A, B)",
-    "neg": "lists.finite(-A)",
-    "add": "lists.finite(A + B)",
-    "sub": "lists.finite(A - B)",
-    "mul": "lists.finite(A * B)",
-    "div": "lists.quotient(A, B)",
-    "sqrt": "lists.root(A)",
-}
 _STARTS = {"rise": "1", "fall": "1", "edge": "1", "latch": "0", "hysteresis": "1", "elapsed": "1"}
+_STACKS = {"average": "Average", "sum": "Sum", "stddev": "Deviation"}
+_SORTED = {"max": "Maximum", "min": "Minimum", "median": "Median", "rate": "Rate", "count": "Count"}
 _WINDOWS = {
-    "average": "stacks.Average",
-    "sum": "stacks.Sum",
-    "max": "windows.Maximum",
-    "min": "windows.Minimum",
-    "median": "windows.Median",
-    "stddev": "stacks.Deviation",
-    "rate": "windows.Rate",
-    "count": "windows.Count",
-    "time": "hold.Hold",
-    "once": "hold.Hold",
+    **{op: f"stacks.{name}" for op, name in _STACKS.items()},
+    **{op: f"windows.{name}" for op, name in _SORTED.items()},
+    **dict.fromkeys(("time", "once"), "hold.Hold"),
 }
 _DECIDES = {"time": 0, "once": 2}  # the sample that decides a window, which needs no buffer
 _BEGINS = {
@@ -132,17 +98,8 @@ _CONVERTED = {
     "enum": "X = expressions.literal(X, L)",
     "text": "X = lists.number_in(X)",
 }
-_RESERVED = {"self", "source", "raw", "t", "age", "last", "messages", "ages", "outputs", "NAN"}
-_CONVERSIONS = {"number": "number_of", "bool": "truth_of", "text": "number_in"}
-_AGGREGATES = {"average": "average", "stddev": "deviation", "median": "median", "sum": "total"}
-_EMPTY = {"list_sum": "0.0", "list_count": "0.0", "list_any": "False"}
-
-
-def number(value: float | None) -> str:
-    """Return a number as it stands in the text."""
-    return (
-        "NAN" if value is None else repr(float(value)).replace("inf", "INF").replace("nan", "NAN")
-    )
+_RESERVED = {"self", "source", "raw", "t", "age", "last", "messages", "ages", "outputs", *"abc"}
+_ABSORBING = ("add", "sub", "mul")  # an overflow stays one inside of sums and products
 
 
 class Step:
@@ -157,6 +114,9 @@ class Step:
         self._states: dict[str, str] = {}  # attribute -> its value at the start
         self._ages: dict[int, str] = {}  # read -> attribute with the time of a known sample
         self._pushes: list[str] = []  # of the windows, in their order
+        self._finite = {result.operation for result in program.results}
+        for of_ in program.operations:
+            self._finite |= {*()} if of_.op in _ABSORBING else {*of_.args}
 
     def take(self, *forms: str, **expected: str) -> dict[str, str]:
         """Take the next statements if they have a form with these expressions; return all."""
@@ -209,7 +169,7 @@ class Step:
             restart.end()
         for k, read in enumerate(self.program.reads):
             if read.reduction is not None:
-                _reduced(self.of, k, read.reduction)
+                reduced(self.of, k, read.reduction)
 
     def constructed(self, arguments: str = "") -> None:
         """Take the method that makes the windows."""
@@ -251,15 +211,19 @@ class Step:
         self.take(form, **named, N=str(self.program.period))
         if any(of.op == "age" and of.value == k for of in self.program.operations):
             taken = self.take(f"if {_KNOWN[read.type]}:\n    self.E = S", **named)
-            self._ages[k] = self._state(taken["E"], "None")
+            self._ages[k] = self._own(taken["E"])
+            self._states[taken["E"]] = "None"
         if read.timeout is not None:
             form = f"if t - S > N:\n    X = {unknown}"
             self.take(form, **named, N=str(read.timeout))
 
-    def _state(self, attribute: str, start: str) -> str:
-        if attribute in self._states or attribute in ("last", "since", "outputs", "windows"):
+    def _own(self, attribute: str) -> str:
+        """Return an attribute that remembers something of one operation, and of no other."""
+        if re.fullmatch("[a-z][0-9]+", attribute) is None or attribute in (
+            *self._states,
+            *self._pushes,
+        ):
             raise UnprovedError(self.of.node, f"{attribute} has two meanings")
-        self._states[attribute] = start
         return attribute
 
     def _text(self, k: int) -> str:
@@ -271,7 +235,7 @@ class Step:
             return number(operation.value)
         if operation.op in ("truth", "literal"):
             return str(operation.value)
-        return self._results[k]
+        return self._results.get(k, "another value")
 
     def _operation(self, k: int, operation: Operation) -> None:
         op, args = operation.op, operation.args
@@ -306,95 +270,16 @@ class Step:
             sign = "<" if op == "and" else ">"
             self.take(f"if A {sign} R:\n    R = A", R=result, A=self._text(more))
         if "W" in taken:
-            self._pushes.append(taken["W"])
+            self._pushes.append(self._own(taken["W"]))
         if "P" in taken:
-            self._state(taken["P"], _STARTS[op])
-        if "E" in taken and op == "elapsed":
-            self._state(taken["E"], "None")
+            self._states[self._own(taken["P"])] = _STARTS[op]
+        if op == "elapsed":
+            self._states[self._own(taken["E"])] = "None"
         is_finite = op == "neg" and not self.program.operations[args[0]].infinite
-        if op in ("add", "sub", "mul", "div", "neg") and not is_finite and self._is_used_alone(k):
+        if op in ("add", "sub", "mul", "div", "neg") and not is_finite and k in self._finite:
             self.take("if R - R != 0.0:\n    R = NAN", R=result)
         self._results.pop(self._values.get(result, -1), None)
         self._values[result], self._results[k] = k, result
-
-    def _is_used_alone(self, k: int) -> bool:
-        """Return whether an overflow must be UNKNOWN at once: a sum or product keeps it."""
-        users = (of for of in self.program.operations if k in of.args)
-        is_result = any(result.operation == k for result in self.program.results)
-        return is_result or any(of.op not in ("add", "sub", "mul") for of in users)
-
-
-def _reduced(of: Class, k: int, reduction: Reduction) -> None:
-    """Take the method of a reduction of lists: a line for each part, then for each operation."""
-    names = [f"x{j}" for j in range(len(reduction.inputs))]
-    lines = of.method(f"reduce_{k}", ", ".join(["self", *names]))
-    for line in _lines_of(reduction, names):
-        expected = ast.parse(line).body[0]
-        got = lines.rest.popleft() if lines.rest else of.node
-        if ast.unparse(got) != ast.unparse(expected):
-            raise UnprovedError(got, f"the model says {ast.unparse(expected)!r}")
-    lines.end()
-
-
-def _lines_of(reduction: Reduction, names: Sequence[str]) -> Iterator[str]:
-    inputs, nodes = reduction.inputs, reduction.nodes
-    lists = [name for name, part in zip(names, inputs, strict=True) if part.is_list]
-    for x, part in zip(names, inputs, strict=True):
-        convert = f"lists.{_CONVERSIONS[part.type]}"
-        more = f", {convert}" if part.type != "number" else ""
-        yield (
-            f"{x} = lists.column({x}, {part.name!r}{more})"
-            if part.is_list
-            else f"{x} = {convert}({x})"
-        )
-        if part.type != "bool" and not (part.infinite and part.range is None):
-            ends = "" if part.range is None else f", ({', '.join(map(number, part.range))})"
-            values, target = (x, x) if part.is_list else (f"[{x}]", f"({x},)")
-            yield f"{target} = lists.known({values}{ends}, infinite={part.infinite})"
-    length = "" if reduction.length is None else f", {reduction.length}"
-    count = f"lists.length_of(({', '.join(lists)},){length})"
-    if reduction.sector is not None:
-        angles = [names[j] for j in reduction.angles] + [number(end) for end in reduction.sector]
-        yield f"count = {count}"
-        yield f"first, end = lists.sector(count, {', '.join(angles)})"
-        yield from (f"{x} = {x}[first:end]" for x in lists)
-    elif length or len(lists) > 1:
-        yield count
-    empty = _EMPTY.get(reduction.op) if reduction.messages else None
-    raised = "raise lists.Unknown('the list is empty')"
-    yield f"if not {lists[0]}:\n    {raised if empty is None else f'return {empty}'}"
-    texts = [names[node.value] if node.op == "input" else f"r{j}" for j, node in enumerate(nodes)]
-
-    def computed(j: int) -> str:
-        node = nodes[j]
-        if node.op == "constant":
-            return f"r{j} = {number(node.value) if isinstance(node.value, float) else node.value}"
-        pairs = [("ab"[at], texts[arg]) for at, arg in enumerate(node.args) if nodes[arg].is_list]
-        columns = dict(pairs)
-        each = ["ab"[at] if "ab"[at] in columns else texts[arg] for at, arg in enumerate(node.args)]
-        tree = ast.parse(_OF_ELEMENTS[node.op], mode="eval")
-        for name in (of for of in ast.walk(tree) if isinstance(of, ast.Name) and of.id in "AB"):
-            name.id = each["AB".index(name.id)]
-        if not columns:
-            return f"r{j} = {ast.unparse(tree)}"
-        values = ", ".join(columns.values())
-        values = f"zip({values})" if len(columns) > 1 else values
-        return f"r{j} = [{ast.unparse(tree)} for {', '.join(columns)} in {values}]"
-
-    made = [j for j, node in enumerate(nodes) if node.op != "input"]
-    yield from (computed(j) for j in made if not nodes[j].is_list)
-    for j, low, high in reduction.limits:
-        yield f"{names[j]} = lists.limited({names[j]}, {texts[low]}, {texts[high]})"
-    yield from (computed(j) for j in made if nodes[j].is_list)
-    op, value = reduction.op.removeprefix("list_"), texts[reduction.value]
-    share = "" if reduction.coverage is None else f", {number(reduction.coverage)}"
-    if op in ("any", "all"):
-        yield f"return lists.decided({value}, {2 if op == 'any' else 0}{share})"
-    elif op == "count":
-        yield f"return lists.count({value}{share})"
-    else:
-        called = f"lists.{_AGGREGATES[op]}" if op in _AGGREGATES else op
-        yield f"return lists.aggregate({called}, {value}{share})"
 
 
 def parts_of(read: Read) -> dict[str, Any]:
@@ -458,7 +343,9 @@ def expressions(emitted: Emitted) -> Iterator[str]:
     for input_ in emitted.declared.inputs:
         if input_.expression is None:
             continue
-        of = emitted.classes.pop(emitted.expressions[input_.id])
+        of = emitted.classes.pop(emitted.expressions.get(input_.id, ""), None)
+        if of is None:
+            raise UnprovedError(None, f"nothing computes {input_.id}")
         _expression(emitted, of, input_.expression)
         yield f"expression of {input_.id}"
 
