@@ -74,6 +74,7 @@ def generate(
     from eddi_scaffold.packages.handwritten import unwritten
     from eddi_scaffold.packages.renaming import left_behind, read_renames
     from eddi_scaffold.packages.rendering import own_template
+    from eddi_scaffold.packages.verifying import in_short
     from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import choices, chosen
 
@@ -102,6 +103,9 @@ def generate(
         )
     left = [*outcome.left, *(text for text, is_new in older if is_new)]
     notes = [*outcome.notes, *(text for text, is_new in older if not is_new)]
+    if outcome.changes and not dry_run:
+        files = {package.folder: package.files for package in assembly.packages}
+        notes += [in_short(monitor, files[monitor.package]) for monitor in monitors]
     shared = shared_by_robots(members_of(monitors))
     if shared is not None:
         console.say(f"note: {shared}")
