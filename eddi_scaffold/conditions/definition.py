@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.program.lists import Part, Reduction
 
 Value = Any
+Factor = tuple[int, int]
 NEAR = 1e-9  # relative: two numbers that only rounding tells apart
 _TRUTHS = (False, None, True)
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -42,8 +43,14 @@ class History:
     A step at the time of the one before is none; one before it begins anew.
     """
 
-    def __init__(self, program: Program, samples: Sequence[Sample], *, gap: int = 0) -> None:
-        self.program = program
+    def __init__(
+        self,
+        program: Program,
+        samples: Sequence[Sample],
+        factors: Mapping[str, Factor] | None = None,  # of what comes in another unit
+        gap: int = 0,  # nanoseconds that one may last longer
+    ) -> None:
+        self.program, self.factors = program, factors or {}
         self.samples: list[Sample] = []  # those that are steps
         self.steps: list[int] = []  # of each sample the number of its step
         self.begin: list[int] = []  # of each step the first one since the clock went back
@@ -146,7 +153,8 @@ class History:
         values: list[tuple[Value, float | None]] = []
         valid: int | None = None  # time of the last valid sample
         for step, (t, raw, stamps) in enumerate(self.samples):
-            value, stamp = sample_of(read, raw), stamps.get(name, t)
+            value = sample_of(read, raw, self.factors.get(read.name))
+            stamp = stamps.get(name, t)
             valid = None if self.begin[step] == step else valid
             if read.stamped and stamp > t + self.program.period + ahead:
                 value = None
@@ -261,9 +269,11 @@ def combined(op: str, args: Sequence[Value]) -> Value:
     return finite(getattr(operator, op)(*args))
 
 
-def sample_of(read: Read, raws: Mapping[str, Value]) -> Value:
+def sample_of(read: Read, raws: Mapping[str, Value], factor: Factor | None = None) -> Value:
     """Return what counts of a value that is read, by its type and its range."""
     raw = raws.get(read.name)
+    if factor is not None and type(raw) in (int, float):
+        raw = raw * factor[0] / factor[1]
     if read.reduction is not None:
         raw = reduced(read.reduction, [raws.get(part.name) for part in read.reduction.inputs])
     if read.type == "enum":

@@ -11,10 +11,11 @@ import math
 import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from eddi_scaffold.conditions.definition import NEAR, History, Sample, Value
+from eddi_scaffold.conditions.definition import NEAR, Factor, History, Sample, Value
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.instructions import Operation, Program, Read
@@ -49,6 +50,10 @@ Series = Callable[[History], list[Value]]
 Pools = tuple[list[Any], list[Any]]  # values that count, and others
 
 
+def _seen(given: Given) -> Sample:
+    return Sample(given.t, given.raws, {name: given.t - age for name, age in given.ages.items()})
+
+
 class Run(NamedTuple):
     """What is given, and the result that must come out at each step."""
 
@@ -59,6 +64,7 @@ class Run(NamedTuple):
 
 class _Fault(NamedTuple):
     name: str
+    place: str  # of its operation in the text
     # it shows where any of these differs from the history
     histories: Sequence[Callable[[History, Sequence[Given]], History]]
     deltas: Sequence[int] = ()  # times that it needs
@@ -71,6 +77,7 @@ class Drawing:
     Args:
         program: the checked conditions.
         number: of the result.
+        factors: of values that come in another unit.
         see: what the conditions see of what is given.
         faulty: what they would see with a fault, by its name, and an age that shows it.
     """
@@ -79,10 +86,12 @@ class Drawing:
         self,
         program: Program,
         number: int,
-        see: See,
+        factors: Mapping[str, Factor] | None = None,
+        see: See | None = None,
         faulty: Mapping[str, tuple[See, int]] | None = None,
     ) -> None:
-        self.program, self.see, self.faulty = _part(program, number), see, faulty or {}
+        self.program, self.factors = _part(program, number), factors or {}
+        self.see, self.faulty = see or _seen, faulty or {}
         operations = self.program.operations
         below = [_below(self.program, k) for k in range(len(operations))]
         self.above = [
@@ -93,7 +102,7 @@ class Drawing:
         self.work = 0
         used = {row.value for row in operations if row.op in ("variable", "age")}
         self.reads = [program.reads[k] for k in sorted(used)]
-        self.pools = dict(self._pools())
+        self.pools = {name: self._in_unit(name, *pools) for name, pools in self._pools()}
         self.period = period = program.period or 10**8
         gap = 5 * period // 2
         self.jumps = (gap, gap + 1)
@@ -108,8 +117,12 @@ class Drawing:
         self.aged = [_source(read) for read in self.reads if read.stamped or self.faulty]
 
     def runs(self, missed: list[str]) -> Iterator[Run]:
-        """Yield runs until each fault shows; add those that none shows to ``missed``."""
+        """Yield runs until each fault shows; add those that none shows to ``missed``.
+
+        Afterwards, ``complete`` says whether something shows of every operation.
+        """
         left = [*self._faults()]
+        hidden = {fault.place for fault in left}
         while left:
             fault, *left = left
             for _ in range(_TRIES if self.work < _MOST_WORK else 0):
@@ -119,21 +132,21 @@ class Drawing:
                 if end is None:
                     continue
                 ends = [end, *(self._shown(other, history, given) for other in left)]
-                names = [
-                    other.name
-                    for other, end in zip([fault, *left], ends, strict=True)
-                    if end is not None
-                ]
+                pairs = zip([fault, *left], ends, strict=True)
+                shown = [other for other, end in pairs if end is not None]
+                names = [f"{other.name}:{other.place}" for other in shown]
+                hidden -= {other.place for other in shown}
                 last = max(end for end in ends if end is not None) + 1
                 results = [row[0] for row in history.results()[:last]]
                 yield Run("; ".join(dict.fromkeys(names)), given[:last], results)
                 left = [other for other, end in zip(left, ends[1:], strict=True) if end is None]
                 break
             else:
-                missed.append(fault.name)
+                missed.append(f"{fault.name}:{fault.place}")
+        self.complete = self.work < _MOST_WORK and not hidden
 
     def _history(self, given: Iterable[Given], see: See, gap: int = 0) -> History:
-        history = History(self.program, [*map(see, given)], gap=gap)
+        history = History(self.program, [*map(see, given)], self.factors, gap)
         self.work += len(history.steps) * len(self.program.operations)
         return history
 
@@ -175,6 +188,17 @@ class Drawing:
                 steps.append(Given(t, raws, ages))
             raws, ages = before if self.random() < 0.5 else (raws, ages)
         return steps
+
+    def _in_unit(self, name: str, *pools: Iterable[Any]) -> Any:
+        """Return values in the unit in which they come."""
+        num, den = self.factors.get(name, (1, 1))
+        return [
+            [
+                float(Fraction(x) * den / num) if type(x) is float and math.isfinite(x) else x
+                for x in pool
+            ]
+            for pool in pools
+        ]
 
     def _pools(self) -> Iterator[tuple[str, Pools]]:
         lists = [read.reduction for read in self.reads if read.reduction is not None]
@@ -237,12 +261,13 @@ class Drawing:
                     lambda history, _, k=k, new=new: self._replaced(history, k, new)
                     for new in series
                 ]
-                raws = {self.program.reads[row.value].name: values} if values else {}
+                name_ = self.program.reads[row.value].name if values else ""
+                raws = {name_: self._in_unit(name_, values)[0]} if values else {}
                 deltas = [n for n in ends if n > 0]
-                yield _Fault(f"{name}:{row.about}", histories, deltas, raws)
+                yield _Fault(name, row.about, histories, deltas, raws)
 
         def of_time(name: str, deltas: Sequence[int], history: Any) -> _Fault:
-            return _Fault(f"{name}:{operations[-1].about}", [history], deltas)
+            return _Fault(name, operations[-1].about, [history], deltas)
 
         for n in (-2, 2) if any(row.window for row in operations) else ():
             yield of_time("gap", self.jumps, lambda _, of, n=n: self._history(of, self.see, n))

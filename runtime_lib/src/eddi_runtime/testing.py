@@ -10,6 +10,7 @@ from typing import Any, Callable, Dict, Iterator
 
 _WORDS = {"T": "TRUE", "U": "UNKNOWN", "F": "FALSE"}
 _NO_JSON = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf, "object": object()}
+_ABSENT = _NO_JSON["absent"] = object()
 _PRECISION = 1e-9  # relative, of the numbers of a result
 
 Values = Dict[str, Any]  # by input id, as in JSON
@@ -33,15 +34,28 @@ class _Vectors:
     def failures(self) -> Iterator[str]:
         yield from self.tables(self.monitor())
         for name, steps in self.data["runs"]:
-            monitor = self.monitor()
-            values: Values = dict.fromkeys(self.attributes)
-            expected: dict[str, Any] = {}
-            for number, (t_ns, changes, results) in enumerate(steps, 1):
-                values.update(changes)
-                expected.update(results)
-                output = monitor.execute_step(self.source(values), t_ns)
-                yield from _results(f"{name}, step {number}", expected, monitor, output)
+            monitor, other = self.monitor(), self.monitor()
+            yield from self.run(name, steps, monitor, other)
+        if self.data["runs"]:
+            other.reset()
+            yield from self.run(f"{name}, after reset()", steps, other, monitor)
         yield from self.messages()
+
+    def run(self, name: str, steps: Any, monitor: Any, other: Any) -> Iterator[str]:
+        """Compare the results of steps; another monitor beside it shares nothing."""
+        values: Values = dict.fromkeys(self.attributes)
+        expected: dict[str, Any] = {}
+        ages: dict[str, int] = {}  # in nanoseconds
+        for number, (t_ns, changes, results, *late) in enumerate(steps, 1):
+            values.update(changes)
+            expected.update(results)
+            ages.update(*late)
+            source = self.source(values)
+            if ages:
+                source.states = {k: SimpleNamespace(age=ns / 1e9) for k, ns in ages.items()}
+            other.execute_step(SimpleNamespace(), t_ns)
+            output = monitor.execute_step(source, t_ns)
+            yield from _results(f"{name}, step {number}", expected, monitor, output)
 
     def tables(self, monitor: Any) -> Iterator[str]:
         """Compare what is no function of the inputs."""
@@ -49,13 +63,12 @@ class _Vectors:
             got = spec and [*spec[:7], spec.expression is not None, spec.accepts, spec.claims]
             yield from _compared(f"input {row and row[0]}", row, got)
         yield from _compared("topics", self.data["topics"], getattr(monitor, "topics", {}))
+        for name, rows in self.data.get("tables", ()):
+            yield from _compared(name, rows, getattr(monitor, name))
 
     def source(self, values: Values) -> SimpleNamespace:
-        named = {}
-        for id_, value in values.items():
-            special = value["is"] if isinstance(value, dict) else None
-            if special != "absent":
-                named[self.attributes[id_]] = value if special is None else _NO_JSON[special]
+        named = {self.attributes[id_]: _value(value) for id_, value in values.items()}
+        named = {name: value for name, value in named.items() if value is not _ABSENT}
         return SimpleNamespace(**named)
 
     def messages(self) -> Iterator[str]:
@@ -151,8 +164,19 @@ class _ConSertVectors(_Vectors):
         yield from _compared(f"{name}: inputs", words, monitor.input_verdicts())
 
 
+def _value(said: Any) -> Any:
+    """Return what JSON says, also what it cannot say; a dict is a message."""
+    if isinstance(said, list):
+        return [_value(each) for each in said]
+    if not isinstance(said, dict):
+        return said
+    if "is" in said:
+        return _NO_JSON[said["is"]]
+    return SimpleNamespace(**{name: _value(each) for name, each in said.items()})
+
+
 def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
-    plain = json.loads(json.dumps(got, default=repr))
+    plain = json.loads(json.dumps(got, default=repr), parse_constant=str)
     if json.dumps(plain, sort_keys=True) != json.dumps(expected, sort_keys=True):
         yield f"{name}: expected {expected}, got {plain}"
 
