@@ -12,7 +12,6 @@ import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -76,10 +75,13 @@ class History:
         for k in operations:
             self.series[k] = self.value(k, self.program.operations[k])
 
-    def replaced(self, k: int, series: list[Value], above: Sequence[int]) -> History:
+    def replaced(
+        self, k: int, new: Callable[[History], list[Value]], above: Iterable[int]
+    ) -> History:
         """Return the history with other values of an operation; ``above`` is what rests on it."""
         other = copy(self)
-        other.series, other.rough = {**self.series, k: series}, dict(self.rough)
+        other.series, other.rough = dict(self.series), dict(self.rough)
+        other.series[k] = new(other)
         other.evaluate(above)
         return other
 
@@ -208,7 +210,7 @@ def is_exact(op: str, known: Sequence[float]) -> bool:
     """Return whether rounding leaves no choice to who adds the numbers of a window up."""
     if op == "stddev":
         return len(set(known)) == 1
-    return op not in ("average", "sum") or math.fsum(known) == sum(map(Fraction, known))
+    return op not in ("average", "sum") or math.fsum([*known, -math.fsum(known)]) == 0.0
 
 
 def aggregated(op: str, known: Sequence[Value]) -> Value:

@@ -183,7 +183,9 @@ def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
 
 def _results(name: str, expected: Any, monitor: Any, output: Any) -> Iterator[str]:
     """Compare named results, numbers with a precision."""
-    got = monitor.series(output)
+    got = {**monitor.series(output)}
+    if isinstance(output, list):
+        got.update((f"{row['id']} is active", row["active"]) for row in output)
     for result, value in expected.items():
         other = got.get(result, "absent")
         is_number = type(value) is type(other) is float
