@@ -260,8 +260,10 @@ def combined(op: str, args: Sequence[Value]) -> Value:
         return args[0] is not args[1]
     if op in COMPARISONS:
         return COMPARISONS[op](*args)
-    if op in ("abs", "least", "greatest"):
-        return {"abs": abs, "least": min, "greatest": max}[op](*args)
+    if op in ("least", "greatest"):
+        return min(args) if op == "least" else max(args)
+    if op == "abs":
+        return abs(args[0])
     if not all(map(math.isfinite, args)):
         return None
     if op == "sqrt":
@@ -273,7 +275,7 @@ def combined(op: str, args: Sequence[Value]) -> Value:
 
 def sample_of(read: Read, raws: Mapping[str, Value], factor: Factor | None = None) -> Value:
     """Return what counts of a value that is read, by its type and its range."""
-    raw = raws.get(read.name)
+    raw: Any = raws.get(read.name)
     if factor is not None and type(raw) in (int, float):
         raw = raw * factor[0] / factor[1]
     if read.reduction is not None:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 OBJECT = object()
 """A value of a type that no input has."""
-_TRIES = 200  # for each fault
+_TRIES = 120  # for each fault
 _MOST_WORK = 300_000  # values that are computed for one result
 _MOST_STEPS = 600  # of a run
 _ALIKE = (
@@ -263,8 +263,9 @@ class Drawing:
                     lambda history, _, k=k, new=new: self._replaced(history, k, new)
                     for new in series
                 ]
-                name_ = self.program.reads[row.value].name if values else ""
-                raws = {name_: self._in_unit(name_, values)[0]} if values else {}
+                reads = [self.program.reads[row.value]] if row.op == "variable" else self.reads
+                names = [read.name for read in reads if values and read.reduction is None]
+                raws = {name: self._in_unit(name, values)[0] for name in names}
                 deltas = [n for n in ends if n > 0]
                 yield _Fault(name, row.about, histories, deltas, raws)
 
@@ -299,7 +300,8 @@ class Drawing:
         if op == "number" and row.value is not None:
             for to, factor in ((-math.inf, 0.99), (math.inf, 1.01)):
                 far = row.value * factor if row.value else math.copysign(0.1, to)
-                yield "limit", (), always(math.nextafter(row.value, to)), always(far)
+                near = math.nextafter(row.value, to)
+                yield "limit", (row.value, near), always(near), always(far)
         if op in ("number", "truth", "literal"):
             return
         for value in (True, None, False) if row.type == "bool" else (None,):
@@ -313,7 +315,7 @@ class Drawing:
             yield "full", (), changed(n)
             if row.coverage is not None:
                 shares = [row.coverage + n * share for share in (0.01, 0.1, 0.3)]
-                yield "coverage", (), *(changed(coverage=share) for share in shares)
+                yield ("coverage", (), *(changed(coverage=share) for share in shares))
         if row.window and row.coverage is None:
             yield "unknown", (), lambda history: _unaware(history, k, row)
         if op == "latch":
@@ -348,8 +350,8 @@ class Drawing:
         for k, node in enumerate(reduction.nodes):
             others = [replace(node, op=op) for op in _others(node.op)]
             if type(node.value) is float and node.op == "constant":
-                ends = (math.nextafter(node.value, to) for to in (-math.inf, math.inf))
-                others += [replace(node, value=end) for end in ends]
+                near = [math.nextafter(node.value, to) for to in (-math.inf, math.inf)]
+                others += [replace(node, value=value) for value in near]
             for other in others:
                 nodes = (*reduction.nodes[:k], other, *reduction.nodes[k + 1 :])
                 yield "list", (), changed(reduction=replace(reduction, nodes=nodes))

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 import yaml
-from eddi_runtime.inputs import EDDIInputBase
+from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.testing import failures
 from hypothesis import settings
 
@@ -127,7 +127,8 @@ def input_class(of: Any) -> type[Any]:
             self.begin_processing()
             for spec in of.inputs:
                 method = getattr(self, f"process_{spec.attribute}")
-                self.update(spec.id, method, messages, spec.requires)
+                update = self.update_expression if spec.expression else self.update
+                update(spec.id, method, messages, spec.requires)
 
     return Input
 
