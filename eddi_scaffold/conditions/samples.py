@@ -12,6 +12,7 @@ import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import islice
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -355,6 +356,16 @@ class Drawing:
             for other in others:
                 nodes = (*reduction.nodes[:k], other, *reduction.nodes[k + 1 :])
                 yield "list", (), changed(reduction=replace(reduction, nodes=nodes))
+
+
+def in_turn(drawings: Iterable[Drawing]) -> Iterator[tuple[int, Run]]:
+    """Yield the runs of each in turn, with its number: the first of each show most."""
+    waiting = [(number, drawing.runs()) for number, drawing in enumerate(drawings)]
+    while waiting:
+        number, runs = waiting.pop(0)
+        for run in islice(runs, 1):
+            yield number, run
+            waiting.append((number, runs))
 
 
 def _listed(faults: Iterable[_Fault]) -> str:

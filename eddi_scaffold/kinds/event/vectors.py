@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.conditions.samples import Drawing
+from eddi_scaffold.conditions.samples import Drawing, in_turn
 from eddi_scaffold.evidence.runs import rows_of
 from eddi_scaffold.evidence.vectors import MOST_BYTES, text, vectors_file
 
@@ -39,18 +39,13 @@ def event_vectors(
         "runs": [],
     }
     size = len(vectors_file(about, inputs, lists, complete=False)) + 1000
-    waiting = [
-        (drawing.runs(), result) for drawing, result in zip(drawings, program.results, strict=True)
-    ]
-    while waiting and size < MOST_BYTES:  # in turn: the first run of an event shows most
-        runs, result = waiting.pop(0)
-        run = next(runs, None)
-        if run is not None:
-            waiting.append((runs, result))
-            row = [run.shows, rows_of(run, partial(_results, result))]
-            size += len(text(row).encode()) + 10
-            lists["runs"] += [row] if size < MOST_BYTES else []
-    complete = not waiting and all(drawing.complete for drawing in drawings)
+    for number, run in in_turn(drawings):
+        row = [run.shows, rows_of(run, partial(_results, program.results[number]))]
+        size += len(text(row).encode()) + 10
+        if size > MOST_BYTES:
+            break
+        lists["runs"].append(row)
+    complete = size <= MOST_BYTES and all(drawing.complete for drawing in drawings)
     missed = [drawing.missed for drawing in drawings if drawing.missed]
     return vectors_file(about, inputs, {**lists, "missed": missed}, complete=complete)
 
