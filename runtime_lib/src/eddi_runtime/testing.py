@@ -104,7 +104,8 @@ class _Vectors:
         """Return an ``EDDIInput`` with these values, but for the input that is computed."""
 
         def process(own: Any, id_: str) -> None:
-            value = own.expression(id_) if id_ == computed else values[id_]
+            other = values.get(id_, values.get(self.attributes[id_]))
+            value = own.expression(id_) if id_ == computed else other
             setattr(own, self.attributes[id_], value)
 
         methods: dict[str, Any] = {"setup": lambda _: None, "processed": lambda *_: None}
@@ -113,23 +114,42 @@ class _Vectors:
         return type("Replaced", (self.eddi_input,), methods)
 
     def expressions(self) -> Iterator[str]:
-        """Compare what expressions give for messages of their own."""
-        for id_, runs in self.data.get("expressions", ()):
+        """Compare what expressions give; values of messages are given by what is asked for."""
+        for id_, fields, runs in self.data.get("expressions", ()):
+            names = {json.dumps(asked): name for name, asked in fields.items()}
             for name, steps in runs:
-                messages = {of: object() for row in self.data["inputs"] for of in row[2]}
-                values: Values = dict.fromkeys(self.attributes)
-                made = self.replaced(values, id_)()
-                expected: Values = {}
-                ages: dict[str, int] = {}  # in nanoseconds
-                for number, (t_ns, changes, results, *late) in enumerate(_each(steps), 1):
-                    for of, said in changes.items():
-                        (values if of in values else messages)[of] = _value(said)
-                    expected.update(results)
-                    ages.update(*late)
-                    made.begin_step({of: ns / 1e9 for of, ns in ages.items()}, t_ns=t_ns)
-                    made.processing(messages)
-                    got = {"value": getattr(made, self.attributes[id_])}
-                    yield from _results(f"{id_}: {name}, step {number}", expected, got)
+                values: Values = {}
+                yield from self.expression(id_, name, _each(steps), names, values)
+
+    def expression(
+        self, id_: str, run: str, steps: Any, names: dict[str, str], values: Values
+    ) -> Iterator[str]:
+        def field(_: Any, messages: Values, *asked: Any) -> Any:
+            there = messages.get(asked[0]) is not None
+            return values[names[json.dumps(asked)]] if there else None
+
+        made = self.replaced(values, id_)()
+        specs = [
+            spec._replace(expression=type("Asking", (spec.expression,), {"field": field}))
+            if spec.id == id_
+            else spec
+            for spec in self.monitor().inputs
+        ]
+        made.bind(specs)
+        expected: Values = {}
+        ages: dict[str, int] = {}  # in nanoseconds
+        messages: Values = {}
+        for number, (t_ns, changes, results, *late) in enumerate(steps, 1):
+            values.update((name, _value(said)) for name, said in changes.items())
+            expected.update(results)
+            ages.update(*late)
+            if changes:
+                sources = [of for spec in specs for of in spec.requires]
+                messages = {of: object() for of in sources if values.get(f"{of} is there", True)}
+            made.begin_step({of: ns / 1e9 for of, ns in ages.items()}, t_ns=t_ns)
+            made.processing(messages)
+            got = {"value": getattr(made, self.attributes[id_])}
+            yield from _results(f"{id_}: {run}, step {number}", expected, got)
 
     def given(self, values: Any) -> Values:
         return {**dict.fromkeys(self.attributes), **values}
@@ -205,14 +225,10 @@ def _each(rows: Any) -> Iterator[Any]:
 
 
 def _value(said: Any) -> Any:
-    """Return what JSON says, also what it cannot say; a dict is a message."""
+    """Return what JSON says, also what it cannot say."""
     if isinstance(said, list):
         return [_value(each) for each in said]
-    if not isinstance(said, dict):
-        return said
-    if "is" in said:
-        return _NO_JSON[said["is"]]
-    return SimpleNamespace(**{name: _value(each) for name, each in said.items()})
+    return _NO_JSON[said["is"]] if isinstance(said, dict) else said
 
 
 def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
