@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.conditions.definition import History, Sample
-from eddi_scaffold.conditions.samples import Drawing, Given, Run
+from eddi_scaffold.conditions.samples import Drawing, Run
 from eddi_scaffold.evidence.vectors import MOST_BYTES, run_row, text
 
 if TYPE_CHECKING:
@@ -61,25 +61,26 @@ class _Expression:
             for name, head in self.heads.items()
         }
 
-    def see(self, given: Given, more: int = 0) -> Sample:
+    def see(self, given: Sample, more: int = 0) -> Sample:
         """Return what the expression sees; messages may be some nanoseconds older."""
         hidden = self._hidden(given, more)
         values = {
-            name: None if head in hidden else given.raws[name] for name, head in self.heads.items()
+            name: None if head in hidden else given.values[name]
+            for name, head in self.heads.items()
         }
         ages = {head: given.ages[id_] for head, id_ in self.sources.items()}
-        stamps = {name: given.t - ages.get(head, 0) for name, head in self.heads.items()}
-        return Sample(given.t, values, stamps)
+        late = {name: ages.get(head, 0) for name, head in self.heads.items()}
+        return Sample(given.t, values, late)
 
-    def _hidden(self, given: Given, more: int = 0) -> list[str]:
+    def _hidden(self, given: Sample, more: int = 0) -> list[str]:
         """Return words of messages that are missing or too old, and of inputs without a value."""
         late = [
             head
             for head, id_ in self.sources.items()
-            if not given.raws[id_ + _THERE] or (given.ages[id_] - more) / 1e9 > self.limit
+            if not given.values[id_ + _THERE] or (given.ages[id_] - more) / 1e9 > self.limit
         ]
         inputs = self.document["names"].keys() - self.sources
-        return late + [head for head in sorted(inputs) if given.raws[head] is None]
+        return late + [head for head in sorted(inputs) if given.values[head] is None]
 
     def runs(self) -> Iterator[Run]:
         """Yield runs with the values of the input."""
@@ -91,7 +92,7 @@ class _Expression:
             for k, given in enumerate(run.steps):
                 if k and given.t == run.steps[k - 1].t and self._hidden(given):
                     results[k] = None  # where a clock stands, silence shows
-            end = min(history.unsure for history in histories)
+            end = min(drawing.certain(run.steps) for drawing in self.drawings)
             yield Run(run.shows, run.steps[:end], results[:end])
 
     def _value(self, values: Sequence[Any]) -> Any:

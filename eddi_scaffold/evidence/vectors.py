@@ -90,13 +90,13 @@ def run_row(run: Any, results: Callable[[Any], Mapping[str, Any]]) -> list[objec
     ``[until, period]`` are steps in which nothing changes; a fourth element are ages.
     """
     rows: list[list[Any]] = []
-    raws: Mapping[str, Any] = {}
+    values: Mapping[str, Any] = {}
     told: Mapping[str, Any] = {}
     ages: Mapping[str, int] = dict.fromkeys(run.steps[0].ages, 0)
     t = run.steps[0].t
-    for given, value in zip(run.steps, run.results, strict=True):
-        expected, period = results(value), given.t - t
-        pairs = (raws, given.raws), (told, expected), (ages, given.ages)
+    for given, result in zip(run.steps, run.results, strict=True):
+        expected, period = results(result), given.t - t
+        pairs = (values, given.values), (told, expected), (ages, given.ages)
         changes = [
             {name: _said(raw) for name, raw in now.items() if before.get(name, before) is not raw}
             for before, now in pairs
@@ -107,7 +107,7 @@ def run_row(run: Any, results: Callable[[Any], Mapping[str, Any]]) -> list[objec
             rows[-1][0] = given.t
         else:
             rows.append([given.t, period])
-        raws, told, ages, t = given.raws, expected, given.ages, given.t
+        values, told, ages, t = given.values, expected, given.ages, given.t
     return [run.shows, rows]
 
 
