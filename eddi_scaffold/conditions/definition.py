@@ -12,7 +12,6 @@ import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -76,10 +75,13 @@ class History:
         for k in operations:
             self.series[k] = self.value(k, self.program.operations[k])
 
-    def replaced(self, k: int, series: list[Value], above: Sequence[int]) -> History:
+    def replaced(
+        self, k: int, new: Callable[[History], list[Value]], above: Iterable[int]
+    ) -> History:
         """Return the history with other values of an operation; ``above`` is what rests on it."""
         other = copy(self)
-        other.series, other.rough = {**self.series, k: series}, dict(self.rough)
+        other.series, other.rough = dict(self.series), dict(self.rough)
+        other.series[k] = new(other)
         other.evaluate(above)
         return other
 
@@ -208,7 +210,7 @@ def is_exact(op: str, known: Sequence[float]) -> bool:
     """Return whether rounding leaves no choice to who adds the numbers of a window up."""
     if op == "stddev":
         return len(set(known)) == 1
-    return op not in ("average", "sum") or math.fsum(known) == sum(map(Fraction, known))
+    return op not in ("average", "sum") or math.fsum([*known, -math.fsum(known)]) == 0.0
 
 
 def aggregated(op: str, known: Sequence[Value]) -> Value:
@@ -258,8 +260,10 @@ def combined(op: str, args: Sequence[Value]) -> Value:
         return args[0] is not args[1]
     if op in COMPARISONS:
         return COMPARISONS[op](*args)
-    if op in ("abs", "least", "greatest"):
-        return {"abs": abs, "least": min, "greatest": max}[op](*args)
+    if op in ("least", "greatest"):
+        return min(args) if op == "least" else max(args)
+    if op == "abs":
+        return abs(args[0])
     if not all(map(math.isfinite, args)):
         return None
     if op == "sqrt":
@@ -271,7 +275,7 @@ def combined(op: str, args: Sequence[Value]) -> Value:
 
 def sample_of(read: Read, raws: Mapping[str, Value], factor: Factor | None = None) -> Value:
     """Return what counts of a value that is read, by its type and its range."""
-    raw = raws.get(read.name)
+    raw: Any = raws.get(read.name)
     if factor is not None and type(raw) in (int, float):
         raw = raw * factor[0] / factor[1]
     if read.reduction is not None:

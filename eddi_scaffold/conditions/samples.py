@@ -12,6 +12,7 @@ import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import islice
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 
 OBJECT = object()
 """A value of a type that no input has."""
-_TRIES = 200  # for each fault
-_MOST_WORK = 1_000_000  # values that are computed for one result
+_TRIES = 120  # for each fault
+_MOST_WORK = 300_000  # values that are computed for one result
 _MOST_STEPS = 600  # of a run
 _ALIKE = (
     *(("lt", "le", "gt", "ge"), ("eq", "ne"), ("eq_bool", "ne_bool"), ("eq_enum", "ne_enum")),
@@ -98,6 +99,7 @@ class Drawing:
             [k for k, rows in enumerate(below) if row in rows and k != row]
             for row in range(len(operations))
         ]
+        self.complete, self.missed = False, ""
         self.random = random.Random(program.results[number].id).random  # noqa: S311 - always the same
         self.work = 0
         used = {row.value for row in operations if row.op in ("variable", "age")}
@@ -113,16 +115,16 @@ class Drawing:
         limits = {read.timeout for read in self.reads if read.timeout is not None}
         limits.update(age for _, age in self.faulty.values())
         late = [age for limit in sorted(limits) for age in (limit, limit + 1)]
-        self.ages = [0, -period, -period - 1, *late]
+        self.ages = [0, -1, -period, -period - 1, *late]
         self.aged = [_source(read) for read in self.reads if read.stamped or self.faulty]
 
-    def runs(self, missed: list[str]) -> Iterator[Run]:
-        """Yield runs until each fault shows; add those that none shows to ``missed``.
+    def runs(self) -> Iterator[Run]:
+        """Yield runs until each fault shows, or is one of those ``missed``.
 
         Afterwards, ``complete`` says whether something shows of every operation.
         """
         left = [*self._faults()]
-        hidden = {fault.place for fault in left}
+        hidden, missed = {fault.place for fault in left}, list[_Fault]()
         while left:
             fault, *left = left
             for _ in range(_TRIES if self.work < _MOST_WORK else 0):
@@ -134,15 +136,15 @@ class Drawing:
                 ends = [end, *(self._shown(other, history, given) for other in left)]
                 pairs = zip([fault, *left], ends, strict=True)
                 shown = [other for other, end in pairs if end is not None]
-                names = [f"{other.name}:{other.place}" for other in shown]
                 hidden -= {other.place for other in shown}
                 last = max(end for end in ends if end is not None) + 1
                 results = [row[0] for row in history.results()[:last]]
-                yield Run("; ".join(dict.fromkeys(names)), given[:last], results)
+                yield Run(_listed(shown), given[:last], results)
                 left = [other for other, end in zip(left, ends[1:], strict=True) if end is None]
                 break
             else:
-                missed.append(f"{fault.name}:{fault.place}")
+                missed.append(fault)
+        self.missed = _listed(missed)
         self.complete = self.work < _MOST_WORK and not hidden
 
     def _history(self, given: Iterable[Given], see: See, gap: int = 0) -> History:
@@ -166,7 +168,7 @@ class Drawing:
         return items[int(self.random() * len(items))]
 
     def _drawn(self, fault: _Fault) -> list[Given]:
-        filler, odd, t = self._pick(self.fillers), self._pick((0.0, 0.1, 0.5)), 0
+        filler, odd, t = self._pick(self.fillers), self._pick((0.0, 0.0, 0.1, 0.5)), 0
         raws = {name: self._pick(pool[0]) for name, pool in self.pools.items()}
         ages, deltas = dict.fromkeys(self.aged, 0), fault.deltas
         steps = [Given(0, raws, ages)]
@@ -176,13 +178,14 @@ class Drawing:
                 t, delta = t + filler, delta - filler
                 steps.append(Given(t, raws, ages))
             t, before = t + delta, (raws, ages)
-            names = [*self.pools] if self.random() < 0.3 else [self._pick([*self.pools])]
+            names = [*self.pools]
+            names = names if not names or self.random() < 0.3 else [self._pick(names)]
             raws = raws | {
                 name: self._pick(self.pools[name][self.random() < odd]) for name in names
             }
             for name, values in fault.raws.items() if self.random() < 0.4 else ():
                 raws = raws | {name: self._pick(values)}
-            if self.aged and self.random() < 0.4:
+            if self.aged and self.random() < 2 * odd + 0.1:
                 ages = ages | {self._pick(self.aged): self._pick(self.ages)}
             if delta or None not in raws.values():  # where a clock stands, silence shows
                 steps.append(Given(t, raws, ages))
@@ -261,8 +264,9 @@ class Drawing:
                     lambda history, _, k=k, new=new: self._replaced(history, k, new)
                     for new in series
                 ]
-                name_ = self.program.reads[row.value].name if values else ""
-                raws = {name_: self._in_unit(name_, values)[0]} if values else {}
+                reads = [self.program.reads[row.value]] if row.op == "variable" else self.reads
+                names = [read.name for read in reads if values and read.reduction is None]
+                raws = {name: self._in_unit(name, values)[0] for name in names}
                 deltas = [n for n in ends if n > 0]
                 yield _Fault(name, row.about, histories, deltas, raws)
 
@@ -282,7 +286,7 @@ class Drawing:
 
     def _replaced(self, history: History, k: int, new: Series) -> History:
         self.work += len(history.times) * len(self.above[k])
-        return history.replaced(k, new(history), self.above[k])
+        return history.replaced(k, new, self.above[k])
 
     def _of(self, k: int, row: Operation) -> Iterator[tuple[Any, ...]]:
         """Yield the name of a fault, and functions for the values that an operation has with it."""
@@ -297,7 +301,8 @@ class Drawing:
         if op == "number" and row.value is not None:
             for to, factor in ((-math.inf, 0.99), (math.inf, 1.01)):
                 far = row.value * factor if row.value else math.copysign(0.1, to)
-                yield "limit", (), always(math.nextafter(row.value, to)), always(far)
+                near = math.nextafter(row.value, to)
+                yield "limit", (row.value, near), always(near), always(far)
         if op in ("number", "truth", "literal"):
             return
         for value in (True, None, False) if row.type == "bool" else (None,):
@@ -310,20 +315,12 @@ class Drawing:
             yield "window", (), changed(window=row.window + n)
             yield "full", (), changed(n)
             if row.coverage is not None:
-                yield (
-                    "coverage",
-                    *(changed(coverage=row.coverage + n * m) for m in (0.01, 0.1, 0.3)),
-                )
+                shares = [row.coverage + n * share for share in (0.01, 0.1, 0.3)]
+                yield ("coverage", (), *(changed(coverage=share) for share in shares))
         if row.window and row.coverage is None:
             yield "unknown", (), lambda history: _unaware(history, k, row)
         if op == "latch":
-            yield (
-                "both",
-                lambda history: [
-                    q and not all(now)
-                    for q, *now in zip(*(history.series[n] for n in (k, *row.args)), strict=True)
-                ],
-            )
+            yield "both", (), lambda history: _never_both(history, k, row.args)
         if op in ("hysteresis", "elapsed"):
             yield "unknown", (), lambda history: _kept(history.series[k])
         if op == "variable":
@@ -354,11 +351,29 @@ class Drawing:
         for k, node in enumerate(reduction.nodes):
             others = [replace(node, op=op) for op in _others(node.op)]
             if type(node.value) is float and node.op == "constant":
-                ends = (math.nextafter(node.value, to) for to in (-math.inf, math.inf))
-                others += [replace(node, value=end) for end in ends]
+                near = [math.nextafter(node.value, to) for to in (-math.inf, math.inf)]
+                others += [replace(node, value=value) for value in near]
             for other in others:
                 nodes = (*reduction.nodes[:k], other, *reduction.nodes[k + 1 :])
                 yield "list", (), changed(reduction=replace(reduction, nodes=nodes))
+
+
+def in_turn(drawings: Iterable[Drawing]) -> Iterator[tuple[int, Run]]:
+    """Yield the runs of each in turn, with its number: the first of each show most."""
+    waiting = [(number, drawing.runs()) for number, drawing in enumerate(drawings)]
+    while waiting:
+        number, runs = waiting.pop(0)
+        for run in islice(runs, 1):
+            yield number, run
+            waiting.append((number, runs))
+
+
+def _listed(faults: Iterable[_Fault]) -> str:
+    """Return faults in words, by the place of their operation."""
+    places: dict[str, dict[str, None]] = {}
+    for fault in faults:
+        places.setdefault(fault.place, {})[fault.name] = None
+    return "; ".join(f"{', '.join(names)} of {place}" for place, names in places.items())
 
 
 def _below(program: Program, root: int) -> set[int]:
@@ -415,7 +430,13 @@ def _unaware(history: History, k: int, row: Operation) -> list[Value]:
         return history.value(k, row._replace(coverage=NEAR))
     weak = row.op == "time"
     values = [weak if value is None else value for value in history.series[arg]]
-    return history.replaced(arg, values, ()).value(k, row)
+    return history.replaced(arg, lambda _: values, ()).value(k, row)
+
+
+def _never_both(history: History, k: int, args: Sequence[int]) -> list[Value]:
+    """Return the values of a LATCH that is not TRUE where it is set and reset."""
+    rows = zip(*(history.series[number] for number in (k, *args)), strict=True)
+    return [value and not all(now) for value, *now in rows]
 
 
 def _misread(history: History, read: Read, raw: Any) -> list[Value]:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.conditions.samples import Drawing
+from eddi_scaffold.conditions.samples import Drawing, in_turn
 from eddi_scaffold.evidence.runs import rows_of
 from eddi_scaffold.evidence.vectors import MOST_BYTES, text, vectors_file
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
-    from eddi_scaffold.program.instructions import Program
+    from eddi_scaffold.program.instructions import Program, Result
 
 
 def event_vectors(
@@ -35,21 +36,23 @@ def event_vectors(
     drawings = [Drawing(program, number, factors) for number in range(len(program.results))]
     lists: dict[str, list[Any]] = {
         "tables": [*_tables(program, drawings, accepts, units, inputs).items()],
-        "missed": [],
+        "runs": [],
     }
-    size, complete = len(vectors_file(about, inputs, lists, complete=False)) + 1000, True
-    rows: list[Any] = []
-    for drawing, result in zip(drawings, program.results, strict=True):
-        missed: list[str] = []
-        for run in drawing.runs(missed):
-            row = [run.shows, rows_of(run, lambda value, id_=result.id: {id_: value})]
-            size += len(text(row).encode()) + 10
-            if size < MOST_BYTES:
-                rows.append(row)
-        size += len(text(missed).encode()) + 10
-        complete &= drawing.complete and size < MOST_BYTES
-        lists["missed"] += dict.fromkeys(missed) if size < MOST_BYTES else ()
-    return vectors_file(about, inputs, {**lists, "runs": rows}, complete=complete)
+    size = len(vectors_file(about, inputs, lists, complete=False)) + 1000
+    for number, run in in_turn(drawings):
+        row = [run.shows, rows_of(run, partial(_results, program.results[number]))]
+        size += len(text(row).encode()) + 10
+        if size > MOST_BYTES:
+            break
+        lists["runs"].append(row)
+    complete = size <= MOST_BYTES and all(drawing.complete for drawing in drawings)
+    missed = [drawing.missed for drawing in drawings if drawing.missed]
+    return vectors_file(about, inputs, {**lists, "missed": missed}, complete=complete)
+
+
+def _results(result: Result, verdict: bool | None) -> dict[str, bool | None]:
+    is_active = verdict is True or (result.hazard and verdict is None)
+    return {result.id: verdict, f"{result.id} is active": is_active}
 
 
 def _tables(
