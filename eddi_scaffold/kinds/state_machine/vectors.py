@@ -458,7 +458,7 @@ class _Player:
                 yield _Plan(f"observed:not {state}", state, [(p, {state: _F}), (p, {})])
         for width in sorted({width for rows in self.windows.values() for width, _ in rows}):
             yield _Plan(f"window:{width} ns is full", "", [(width - p - 1, {}), (1, {})])
-            gaps = [(self.longest, {}), (self.longest + 1, {}), (p, {})]
+            gaps = [(wait, {}) for wait in (p, 0, self.longest, self.longest + 1, p)]
             yield _Plan(f"gap:of window {width} ns", "", gaps, is_settled=True)
         for key in dict.fromkeys(key for each in rows for key in each.triggers):
             each = next(each for each in rows if key in each.triggers)
