@@ -238,7 +238,8 @@ def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
 
 
 def _shown(monitor: Any, output: Any) -> Values:
-    shown = {**monitor.series(output)}
+    known = monitor.as_json(output)
+    shown = {**(known if isinstance(known, dict) else {}), **monitor.series(output)}
     if isinstance(output, list):
         shown.update((f"{row['id']} is active", row["active"]) for row in output)
     return shown

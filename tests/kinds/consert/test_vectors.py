@@ -8,6 +8,7 @@ import json
 import random
 from collections import defaultdict
 from collections.abc import Iterator
+from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -142,12 +143,16 @@ class Package:
         files = files_of(next(monitor for monitor in monitors if monitor.id == id_))
         self.vectors = folder / "vectors.json"
         self.vectors.write_bytes(files[VECTORS])
+        for name in files:
+            if name.endswith(".bin"):  # a table of the text
+                (folder / name).write_bytes(files[name])
+        self.spec = spec_from_file_location("compiled", folder / "compiled.py")
         text = files["compiled.py"].decode()
         self.head, _, body = text.partition("\n# sha256 of the lines below")
         self.body = body.partition("\n")[2]
 
     def class_of(self, text: str) -> Any:
-        scope: dict[str, Any] = {"__name__": "compiled", "__file__": "no file"}
+        scope: dict[str, Any] = {"__file__": "no file", "__spec__": self.spec}
         exec(f"{self.head}\n{text}", scope)
         return scope["Monitor"]
 
@@ -158,11 +163,16 @@ class Package:
         except Exception:  # noqa: BLE001 - a mutant that cannot run is seen
             return True
 
-    def survivors(self) -> tuple[list[str], int]:
-        """Return changed texts that the vectors do not tell apart, and how many they do."""
+    def survivors(self, most: int | None = None) -> tuple[list[str], int]:
+        """Return changed texts that the vectors do not tell apart, and how many they do.
+
+        In the quick profile ``most`` of them are tried.
+        """
         assert not self.killed(self.body)
         same = ast.unparse(ast.parse(self.body))
         texts = [text for text in mutants(self.body) if text != same]
+        if most is not None and settings.default.max_examples <= 1000:
+            texts = random.Random(1).sample(texts, most)
         survivors = [text for text in texts if not self.killed(text)]
         return survivors, len(texts) - len(survivors)
 
