@@ -22,8 +22,8 @@ from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.compiling import MonitorFacts
 from eddi_scaffold.monitors.compiling import from_json as facts_of
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.packages.handwritten import looked_at
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
+from eddi_scaffold.regions.check import list_regions
 
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
 
@@ -136,7 +136,7 @@ def hazard_rows(
         errors = [of for of in reading.problems if of.level == "error"]
         raise EddiError(*(errors or [problem("F004.no_hazards", Place(source.name))]))
     edited = {
-        package.name: sorted({of.file for of in looked_at(package) if of.state == "outside"})
+        package.name: sorted({of.file for of in list_regions(package) if of.state == "outside"})
         for package in packages
     }
     verified = {name: Verification(differs=tuple(files)) for name, files in edited.items()}
