@@ -193,6 +193,12 @@ def test_without_the_option_there_is_one_info(tmp_path: Path) -> None:
     assert "name no guarantee: 3 [J001]" in result.err
 
 
+def test_to_forget_the_eddi_is_no_success() -> None:
+    result = run("check", "robot.yml", "--hazards", cwd=ROBOT)
+    assert result.status == 1
+    assert "error: there are neither hazards nor requirements [F004]" in result.err
+
+
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("warehouse")
