@@ -208,6 +208,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_trace_follows_hazards_to_topics(generated: Path) -> None:
     text = run("trace", "-w", "out", "-m", "hazards.xml", cwd=generated).out
     assert "  hazard HitsPerson (hazards.xml:7): linked, in time\n    severity S2\n" in text
@@ -224,6 +225,7 @@ def test_trace_follows_hazards_to_topics(generated: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_trace_refuses_what_has_no_hazards(generated: Path) -> None:
     for file, code in (("robot.yml", "F003"), ("gone.xml", "F001"), ("two_conserts.xml", "F004")):
         shutil.copy(ROOT / "examples" / "two-conserts" / "two_conserts.xml", generated)
@@ -232,6 +234,7 @@ def test_trace_refuses_what_has_no_hazards(generated: Path) -> None:
         assert f"[{code}]" in result.err
 
 
+@pytest.mark.slow
 def test_an_edited_monitor_makes_its_rows_stale(generated: Path, tmp_path: Path) -> None:
     """Only those whose guarantee rests on it: walking pace needs no camera."""
     shutil.copytree(generated, tmp_path, dirs_exist_ok=True)
