@@ -37,8 +37,6 @@ _ADDRESS = re.compile(r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>")
 _SECONDS = {"": 1.0, "ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
 _HERTZ = {"": 1.0, "hz": 1.0, "khz": 1e3}
 _LONGEST = 1e6  # seconds: more is not a limit at all
-_NOT_IN_ROS = {"double": "float64", "float": "float32", "int": "int32", "boolean": "bool"}
-"""Names of types in C++ and Python -> those of message files."""
 
 
 def _number(
@@ -53,8 +51,6 @@ def _number(
     def check(value: object) -> object:
         if value in words:
             return value
-        if words and isinstance(value, str) and value.casefold() in ("none", "never"):
-            raise HintedError(f"{what} are expected", "write `none` for no limit")
         match = _QUANTITY.fullmatch(value.strip().casefold()) if isinstance(value, str) else None
         if match is not None and match[2] and match[2] in units:
             value = float(f"{float(match[1]) * units[match[2]]:.15g}")
@@ -94,7 +90,6 @@ def _field_type(text: str) -> str:
     name = text.partition("[")[0]
     if re.fullmatch("[a-z][a-z0-9_]*", name) and name not in PRIMITIVES:
         hint = did_you_mean(name, PRIMITIVES) or "such as float64 or std_msgs/Header"
-        hint = f"write {_NOT_IN_ROS[name]}" if name in _NOT_IN_ROS else hint
         raise HintedError(f"there is no type {name!r}: a type of ROS messages is expected", hint)
     return text
 
