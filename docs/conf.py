@@ -80,8 +80,7 @@ def _diagnostics(_: str) -> str:
     for area in areas():
         parts += [f"## {area.letter}: {area.title}", area.about]
         for entry in area.diagnostics.values():
-            known_as = f" (formerly {', '.join(entry.absorbed)})" if entry.absorbed else ""
-            parts += [f"### {entry.code} {entry.title}", f"*{', '.join(entry.levels)}*{known_as}"]
+            parts += [f"### {entry.code} {entry.title}", f"*{', '.join(entry.levels)}*"]
             parts += [entry.why, f"What to do: {entry.fix}"]
             parts.append("\n".join(["```text", *entry.shown(), "```"]))
     return "\n\n".join(["", *parts])

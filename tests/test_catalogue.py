@@ -103,10 +103,6 @@ def test_one_file_for_each_letter() -> None:
         assert path.stem == area.letter
         assert codes == sorted(codes)
         assert {code[0] for code in codes} == {area.letter}
-        known = [code for entry in area.diagnostics.values() for code in entry.absorbed]
-        assert not set(known) & {diagnostic.code for diagnostic in ALL}
-    absorbed = [code for diagnostic in ALL for code in diagnostic.absorbed]
-    assert len(absorbed) == len(set(absorbed))
 
 
 def test_documents_name_codes_that_there_are() -> None:

@@ -151,15 +151,10 @@ def _explain_code(code: str, *, as_json: bool) -> None:
 
     diagnostic = catalogue.find(code)
     if diagnostic is None:
-        similar = catalogue.similar(code)
-        hint = "a code is like K007; of a claim: FILE --bag FILE, or --master URI"
-        hint = f"did you mean {' or '.join(similar)}?" if similar else hint
-        raise EddiError(problem("G008.code", hint=hint, code=code))
+        raise EddiError(problem("G008.code", code=code))
     if as_json:
         console.json(diagnostic.as_json())
         return
-    if diagnostic.code != code.upper():
-        console.data(f"{code.upper()} is {diagnostic.code} now\n")
     console.data(f"{diagnostic.code}: {diagnostic.title} ({', '.join(diagnostic.levels)})")
     for text in (diagnostic.why, f"What to do: {diagnostic.fix}"):
         console.data(f"\n{fill(text, 96, break_long_words=False, break_on_hyphens=False)}")

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from eddi_scaffold.common.problems import Place, Problem, has_errors, plural, problem
 from eddi_scaffold.conditions.analysis import Analysis
+from eddi_scaffold.conditions.c_vectors import vectors_file
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import duration_text, is_list_path
 from eddi_scaffold.program.c_files import c_files
@@ -90,7 +91,6 @@ def _type_text(variable: Variable) -> str:
 
 __all__ = ["Target", "columns", "generate", "monitor_model", "play", "without_limits"]
 
-_PRINTERS = {"python": python_module, "c": c_files}
 Verdict = bool | float | None  # a truth value or a number; None is UNKNOWN
 Column = Literal["float", "bool", "str", "float[]", "bool[]"]
 _COLUMNS: Mapping[str, Column] = {
@@ -110,7 +110,8 @@ def generate(analysis: Analysis, target: Target, name: str) -> dict[str, str]:
     Raises:
         EddiError: the language has no lists or texts yet (E026).
     """
-    return _PRINTERS[target](monitor_model(analysis, name))
+    model = monitor_model(analysis, name)
+    return python_module(model) if target == "python" else c_files(model) | vectors_file(model)
 
 
 def without_limits(analysis: Analysis, file: str) -> list[Problem]:

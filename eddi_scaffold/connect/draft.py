@@ -127,15 +127,12 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
 
 def _choice(decision: Decision) -> list[str]:
     """Return the comments of an input that a person decides."""
-    candidates, missed = decision.candidates, decision.missed
+    candidates = decision.candidates
     if decision.need.is_demand:
         head = "a guarantee of another monitor; --with its configuration finds it"
     elif candidates:
         count = len(candidates)
         head = "1 candidate, not sure" if count == 1 else f"{count} candidates, take one"
-    elif missed is not None:
-        value = f"{missed.leaf.text} of {missed.topic.topic}"
-        head = f"no topic fits; nearest {value}: {missed.reasons[0]}"
     else:
         head = "no topic fits"
     return [head, *(f"  {_line(candidate)}" for candidate in candidates)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from typing import Literal
 
@@ -45,8 +45,6 @@ class Decision:
     candidates: tuple[Candidate, ...] = ()  # the best one of each topic, best first
     # points between the taken one and the next of any topic, `None` without a next one
     lead: int | None = None
-    # where there are none, the value that fits best by its name, with the rule that keeps it out
-    missed: Candidate | None = None
 
 
 @dataclass(frozen=True)
@@ -101,7 +99,7 @@ class _Matcher:
 
     def _by_name(self, need: InputNeed) -> Decision:
         fitting_of = {
-            type_: [leaf for leaf in self._leaves_of(type_) if not objection(need, type_, leaf)]
+            type_: [leaf for leaf in self._leaves_of(type_) if _can_fill(need, type_, leaf)]
             for type_ in {topic.type for topic in self._topics}
         }
         fitting = [(topic, leaf) for topic in self._topics for leaf in fitting_of[topic.type]]
@@ -119,7 +117,7 @@ class _Matcher:
         if need.is_demand:
             return Decision(need, "listed" if listed else "none", listed)
         if not listed:
-            return Decision(need, "none", missed=self._missed(need))
+            return Decision(need, "none")
         top = every[0]
         lead = top.score - every[1].score if len(every) > 1 else None
         distance = _SURE[-1][1] if lead is None else lead
@@ -134,48 +132,28 @@ class _Matcher:
             return Decision(need, "taken", listed, lead)
         return Decision(need, "listed", listed)
 
-    def _missed(self, need: InputNeed) -> Candidate | None:
-        """Return the value that would fit best by its name, with the rule that keeps it out."""
-        scorer = Scorer(need, self._topics)
-        likeness = scorer.likeness
-        topic = min(self._topics, key=lambda topic: (-likeness(topic), topic.id), default=None)
-        if topic is None or not likeness(topic):
-            return None
-        misses = [
-            replace(scorer.score(topic, leaf), reasons=(reason,))
-            for leaf in self._leaves_of(topic.type)
-            if (reason := objection(need, topic.type, leaf)) is not None
-        ]
-        return min(misses, key=lambda miss: (-miss.parts["name"], miss.leaf.path), default=None)
 
-
-def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:
-    """Return why a value of a message type cannot fill an input, ``None`` where it might."""
+def _can_fill(need: InputNeed, message: str, leaf: TopicField) -> bool:
+    """Return whether a value of a message type might fill an input."""
     names = [name.partition("[")[0] for name in leaf.path] or [""]
     package, _, name = message.partition("/")
-    if package in WORDS["no_measurements"].split():
-        return "it is not a measurement"
-    if need.is_demand != (message == _GUARANTEES):
-        return "a demand needs the guarantee of another ConSert"
-    if message == _POSTERIORS:
-        return "posteriors are not evidence"
-    if names[0] in ("header", "layout") or names[-1] in ("secs", "nsecs"):
-        return "it is about the message"
+    is_of_other_kind = need.is_demand != (message == _GUARANTEES) or message == _POSTERIORS
+    is_about_message = names[0] in ("header", "layout") or names[-1] in ("secs", "nsecs")
     is_size = name in WORDS["pictures"].split() and _SIZE.fullmatch(names[-1])
-    if is_size or any(map(_SETTING.fullmatch, names)):
-        return "it is a setting of the sensor"
+    if package in WORDS["no_measurements"].split() or is_of_other_kind or is_about_message:
+        return False
+    if is_size or any(map(_SETTING.fullmatch, names)):  # of the sensor
+        return False
     if leaf.path and leaf.is_variance != need.says(WORDS["synonyms"]["uncertainty"]):
-        return "it is an uncertainty" if leaf.is_variance else "it is not an uncertainty"
+        return False
     if leaf.path and not _has_type(need, message, leaf):
-        return f"it is a {leaf.type}"
+        return False
     read = leaf.read_units
     if need.unit is None or not need.is_number or read is None:
-        return None
-    if not read:
-        return "it has no unit" if need.unit else None
-    if all(units.factor(unit, need.unit) is None for unit in read):
-        return f"it is in {' or '.join(read)}"
-    return None
+        return True
+    return (
+        any(units.factor(unit, need.unit) is not None for unit in read) if read else not need.unit
+    )
 
 
 def _has_type(need: InputNeed, message: str, leaf: TopicField) -> bool:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
+from eddi_runtime.node.topics import why_topic
+
 from eddi_scaffold.common.escaping import markdown_code, python_literal
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.field_paths import plain_step
@@ -50,7 +52,7 @@ class MonitorNode:
         own = [topic.output.topic for topic in results or self.publications[:1]]
         reading = {source for binding in self.monitor.inputs for source, _ in binding.claims}
         heard = [source.topic for source in self.subscribed if source.id in reading]
-        told, read = (list(dict.fromkeys(map(_why_topic, names))) for names in (own, heard))
+        told, read = (list(dict.fromkeys(map(why_topic, names))) for names in (own, heard))
         return told, read
 
     @cached_property
@@ -117,12 +119,6 @@ class MonitorNode:
             "more": _more(publication)
             + (_qos(output.qos, "\n            ", ",") if has_qos else ""),
         }
-
-
-def _why_topic(topic: str) -> str:
-    """Return where a monitor tells why, of a topic with its result or what is below that."""
-    above, _, last = topic.rpartition("/")
-    return f"{above if last in ('status', 'evidence') else topic}/why"
 
 
 def node_of(monitor: BoundMonitor) -> tuple[MonitorNode, list[Problem]]:

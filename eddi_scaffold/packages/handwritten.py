@@ -3,28 +3,18 @@
 from __future__ import annotations
 
 import os
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
-from eddi_scaffold.common.files import read_regular, saved_meanwhile
+from eddi_scaffold.common.files import saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import UnwrittenInput
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.regions.check import RegionStatus, list_regions, plan_accept
-from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.package import EDDI, KEPT, Plan, SavedError
-
-ADOPT = (
-    "this file is of the D7.2 tools: it runs as it is, and no regeneration fits it to the model;"
-    " `eddi-scaffold adopt OLD_PACKAGE` puts its bodies into regions"
-)
-_BEGIN = "# -----Manual edit begin-----  # region: "
-_OF_D72 = re.compile(r"^class EDDIInput\s*(\(\s*(object)?\s*\))?\s*:", re.MULTILINE)
 
 
 def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
@@ -38,37 +28,6 @@ def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
                 place = f"{root / monitor.package / region.file}:{region.line}"
                 lines.append(f"this {ids[region.id]}: {place}")
     return lines
-
-
-def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
-    """Return a line for each input of a package that was made of messages, and is nobody's now.
-
-    ``before`` and ``after`` are its answers; its folder has the newest files.
-    """
-    made = {marker.id: line for marker, line, _ in _statements(before)}
-    lost = {}
-    for marker, line, title in _statements(after):
-        names = (marker.id, *marker.was)
-        was = next((made[name] for name in names if made.get(name)), None)
-        if was is not None and not line:
-            lost[names] = f"input {title!r} has no source any more: it was made by `{was}`"
-    edited = set(written(package)) if lost else set()
-    return [reason for names, reason in lost.items() if not edited.intersection(names)]
-
-
-def _statements(answers: Mapping[str, Any]) -> Iterator[tuple[Marker, str, str]]:
-    """Yield each input, its generated statement, none where a person must write it, and its id.
-
-    Answers may be of an older release, or damaged: what is not there says nothing.
-    """
-    inputs = answers.get("inputs")
-    for entry in inputs if isinstance(inputs, list) else ():
-        body = entry.get("body") if isinstance(entry, dict) else None
-        if isinstance(body, list) and body:
-            marker = read_marker(f"{_BEGIN}{entry.get('region')}", 1)
-            if isinstance(marker, Marker):
-                waits = body[-1] == f"self.{entry.get('attribute')} = None"
-                yield marker, "" if waits else str(body[-1]), str(entry.get("title"))
 
 
 def written(package: Path) -> list[str]:
@@ -130,31 +89,12 @@ def packages_below(folder: Path) -> list[Path]:
     return packages
 
 
-def is_of_d72(file: Path) -> bool:
-    """Return whether a file has an ``EDDIInput`` as the D7.2 tools wrote it."""
-    try:
-        return _OF_D72.search(read_regular(file).decode("utf-8", "replace")) is not None
-    except OSError:  # a FIFO as well, which would be waited for
-        return False
-
-
-def looked_at(package: Path) -> list[RegionStatus]:
-    """List the regions of a package with what a person should look at; a pasted file as a whole."""
-    pasted = cache(lambda file: is_of_d72(package / file))
-    return [
-        region._replace(notes=(*region.notes, ADOPT), review=True)
-        if pasted(region.file)
-        else region
-        for region in list_regions(package)
-    ]
-
-
 def inventory(folder: Path) -> list[RegionStatus]:
     """List the regions of all packages below a folder, with paths as the user would write them."""
     return [
         status._replace(file=str(package / status.file))
         for package in packages_below(folder)
-        for status in looked_at(package)
+        for status in list_regions(package)
     ]
 
 

@@ -165,6 +165,9 @@ def _imported(folder: Path, monitor: BoundMonitor) -> Callable[[], tuple[Any, An
     def new() -> tuple[Any, Any]:
         return monitor_class(), input_class()
 
-    if new()[0].monitor.digest != monitor.facts.digest:
+    made, eddi_input = new()
+    if not hasattr(eddi_input, "begin_step"):  # one of the D7.2 tools
+        raise ImportError("its EDDIInput.py is not the generated one: run `eddi-scaffold adopt`")
+    if made.monitor.digest != monitor.facts.digest:
         raise ImportError("its compiled.py is of another model: run `eddi-scaffold upgrade`")
     return new

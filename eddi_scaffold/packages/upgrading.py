@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Container, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -32,7 +31,7 @@ from eddi_scaffold.packages.assembly import (
     with_choices,
 )
 from eddi_scaffold.packages.generation import write_packages
-from eddi_scaffold.packages.handwritten import ADOPT, looked_at, without_written_inputs
+from eddi_scaffold.packages.handwritten import without_written_inputs
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers
 from eddi_scaffold.packages.workspace import (
     check_answers,
@@ -43,6 +42,7 @@ from eddi_scaffold.packages.workspace import (
     root_below,
 )
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
+from eddi_scaffold.regions.check import list_regions
 
 Rejoined = tuple[BoundMonitor, list[Problem]]  # a monitor, and what is wrong with it
 
@@ -81,13 +81,7 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
     groups_there = [group for group in candidates if group.present or group.links]
     if groups_there:
         return groups_there
-    hint = "name a workspace with -w, or the folder of a package"
-    sources = {platform.root for platform in platforms().values() if platform.workspace is not None}
-    for above in place.resolve().parents:  # packages where workspaces have them
-        if any(any((above / root).glob(f"*/{ANSWERS_FILE}")) for root in sources):
-            hint = f"name the workspace above: -w {os.path.relpath(above)}"
-            break
-    raise EddiError(problem("U001.nothing_near", Place(str(place)), hint=hint))
+    raise EddiError(problem("U001.nothing_here", Place(str(place))))
 
 
 def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
@@ -377,7 +371,7 @@ def states_of(
     changes = sorted(path for path in outcome.changes if "/.eddi/" not in path)
     states = []
     for folder in group.present:
-        regions = looked_at(group.root / folder)
+        regions = [*list_regions(group.root / folder)]
         edited = [region.file for region in regions if region.state == "outside"]
         changed = [
             path.removeprefix(f"{folder}/") for path in changes if path.startswith(f"{folder}/")
@@ -387,7 +381,7 @@ def states_of(
         review = [
             f"{region.file}: {region.why}"
             for region in regions
-            if region.review and (region.state != "outside" or ADOPT in region.notes)
+            if region.review and region.state != "outside"
         ]
         states.append(PackageState(group.shown(folder), outdated, edited, dict(counts), review))
     links = [(group.shown(link.name), linked_package(link)) for link in group.links]

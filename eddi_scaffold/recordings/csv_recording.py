@@ -37,8 +37,6 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASC
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
 _CELL = re.compile(r'(?:\s*"((?:[^"]|"")*)"\s*|([^",]*))(,|$)')
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
-_TIMES = ("time", "times", "timestamp", "stamp", "sec", "secs", "seconds", "t_s", "t [s]")
-"""Names of the column t in the recordings of others."""
 _OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 _POINT = "numbers have a decimal point, commas separate cells"
 _EXPECTED: Mapping[str, str] = {
@@ -193,11 +191,8 @@ class _Reader:
         if TIME in names:
             time_cell = cells[names.index(TIME)]
         else:
-            unknown = (cell for cell in cells if cell.text not in self._types)
-            named = next((cell for cell in unknown if cell.text.casefold() in _TIMES), None)
-            time_cell = named or _Cell("", 1)
-            hint = f"write t in place of {named.text}" if named is not None else None
-            self._report("I001.no_time", number, time_cell.col, hint=hint)
+            time_cell = _Cell("", 1)
+            self._report("I001.no_time", number, 1)
         inputs = [cell for cell in cells if cell is not time_cell]
         seen: set[str] = set()
         for name, col in ((cell.text, cell.col) for cell in inputs):

@@ -19,7 +19,6 @@ from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.inputs import UNKNOWN_AGE, Word
 from eddi_runtime.monitor import Tree
-from eddi_runtime.node.pasted import understood
 from eddi_runtime.node.topics import Receipt
 from eddi_runtime.peers import Fleet, Peers
 from eddi_runtime.plain_values import by_id, by_key, by_name, follow, given, joined
@@ -237,7 +236,7 @@ class ReplayedNode:
         self._running = running
         running.deferred = True  # what a robot did is not done again
         self._execute = step or running.execute_step
-        self._eddi_input = understood(eddi_input, running.inputs)
+        self._eddi_input = eddi_input
         for spec in running.inputs:
             setattr(self._eddi_input, spec.attribute, spec.default)
         self._eddi_input.bind(running.inputs)

@@ -20,7 +20,7 @@ from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.diagrams.svg import drawn
-from eddi_scaffold.watch.fleet import RobotView, Snapshot, VerdictView
+from eddi_scaffold.watch.fleet import RobotView, Snapshot
 from eddi_scaffold.watch.following import CONTENT_TYPE, Clock, metrics_text
 from eddi_scaffold.watch.messages import MAX_VERDICTS
 from eddi_scaffold.watch.robot_graph import robot_graph
@@ -65,7 +65,8 @@ class View:
         for monitor in robot.monitors:
             for verdict in monitor.verdicts:
                 why, since = ", ".join(verdict.reasons), self.time(verdict.since)
-                why = _sentence(verdict) or ("" if verdict.word == "absent" else why)
+                told = verdict.why.sentence if verdict.why and verdict.why.causes else ""
+                why = told or ("" if verdict.word == "absent" else why)
                 why = "; ".join(filter(None, (why, verdict.text)))
                 row = (monitor.name, monitor.title, verdict.id, verdict.word, verdict.good, why)
                 rows.append(_row(*row, since if verdict.seen else f"≤ {since}"))
@@ -78,11 +79,6 @@ class View:
         texts = {"number": number, "name": robot.name, "summary": summary}
         texts["graph"] = _version(robot_graph(robot))
         return _filled("robot", texts, rows="".join(rows), facts=_items(facts))
-
-
-def _sentence(verdict: VerdictView) -> str:
-    """Return why it does not hold, as its monitor tells it; empty where it does not."""
-    return verdict.why.sentence if verdict.why is not None and verdict.why.causes else ""
 
 
 @lru_cache(MAX_VERDICTS)

@@ -6,14 +6,9 @@ from pathlib import Path
 from tests.cli.command import run
 
 
-def test_a_code_of_before_names_the_one_that_took_it_in(tmp_path: Path) -> None:
-    result = run("explain", "K082", cwd=tmp_path)
-    assert result.out == f"K082 is K029 now\n\n{run('explain', 'K029', cwd=tmp_path).out}"
-
-
 def test_a_code_for_programs(tmp_path: Path) -> None:
     shown = json.loads(run("explain", "K006", "--json", cwd=tmp_path).out)
-    assert list(shown) == ["code", "title", "levels", "why", "fix", "absorbed", "cases"]
+    assert list(shown) == ["code", "title", "levels", "why", "fix", "cases"]
     assert (shown["code"], shown["levels"]) == ("K006", ["error", "warning"])
     assert list(shown["cases"][0]) == ["case", "level", "text", "hint"]
 

@@ -25,7 +25,9 @@ def test_json(tmp_path: Path) -> None:
     (diagnostic,) = actual["diagnostics"]
     assert list(diagnostic) == ["code", "severity", "line", "column", "message", "hint"]
     code = json.loads(run("event", "x > 1", "--target", "c", "--json", cwd=tmp_path).out)
-    assert sorted(code["files"]) == ["event_event.c", "event_event.h", "event_main.c"]
+    assert sorted(code["files"]) == [
+        *("event_event.c", "event_event.h", "event_main.c", "event_vectors.c"),
+    ]
 
 
 def test_recorded_values(tmp_path: Path) -> None:
@@ -63,7 +65,9 @@ def test_files_are_written_and_edits_kept(tmp_path: Path) -> None:
     assert "event_event.py.kept.txt" in gone.err
     assert "return 7" in (tmp_path / "out" / "event_event.py.kept.txt").read_text()
     c = run("event", "x > 5", "--target", "c", "-o", "c", cwd=tmp_path)
-    assert c.out.splitlines() == ["c/event_event.c", "c/event_event.h", "c/event_main.c"]
+    assert c.out.splitlines() == [
+        *("c/event_event.c", "c/event_event.h", "c/event_main.c", "c/event_vectors.c"),
+    ]
 
 
 @tabled

@@ -78,7 +78,7 @@ def test_download(port: int) -> None:
     assert headers["Content-Disposition"] == 'attachment; filename="demo_main.zip"'
     names = re.findall("demo_[a-z]+[.][ch]", text)
     # the last ones are those of the archive's directory
-    assert names[-3:] == ["demo_event.h", "demo_event.c", "demo_main.c"]
+    assert names[-4:] == ["demo_event.h", "demo_event.c", "demo_main.c", "demo_vectors.c"]
 
 
 def test_a_signal_is_drawn(port: int) -> None:

@@ -102,6 +102,31 @@ def test_all_of_c_compiles_and_runs(tmp_path: Path) -> None:
     assert done.stdout.split("\n")[:2] == ["hot 1", "odd 1"]
 
 
+def test_vectors_of_c_tell_a_changed_monitor(tmp_path: Path) -> None:
+    """The vectors see a window or a limit that is one unit off, and another operator."""
+    text = "VAR x : NUMBER TIMEOUT 300ms EVENT near := ONCE(x < 1.5, 1s) OR AVERAGE(x, 1s) < 3"
+    files = generate(analysis_of(text), "c", "demo")
+    changes = {
+        "": "",
+        "INT64_C(1000000000)": "INT64_C(1000000001)",
+        "INT64_C(900000000)": "INT64_C(900000001)",
+        "INT64_C(300000000)": "INT64_C(300000001)",
+        "INT64_C(500000000)": "INT64_C(500000002)",
+        "v_x, 1.5)": "v_x, 1.5000000000000002)",
+        ", 3.0)": ", 2.9999999999999996)",
+        "greatest(r3, r6)": "greatest(r3, 2 - r6)",
+    }
+    for before, after in changes.items():
+        old = files["demo_event.c"]
+        assert before in old, before
+        write_files(tmp_path, files | {"demo_event.c": old.replace(before, after, 1)})
+        sources = [str(tmp_path / name) for name in ("demo_event.c", "demo_vectors.c")]
+        c_program.compile_c([*sources, "-o", str(tmp_path / "demo"), "-lm"])
+        done = subprocess.run([str(tmp_path / "demo")], capture_output=True, text=True, check=False)
+        assert (done.returncode == 0) == (before == ""), (before, done.stdout[:500])
+        assert done.returncode == min(len(done.stdout.splitlines()), 100)
+
+
 def test_fast_math_is_refused(tmp_path: Path) -> None:
     write_files(tmp_path, generate(analysis_of("x > 5"), "c", "demo"))
     with pytest.raises(AssertionError, match="has no NaN"):

@@ -1,7 +1,5 @@
 """Which topic of a small robot is taken for an input, which are listed, and why one is not."""
 
-from typing import Any
-
 import yaml
 
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
@@ -34,16 +32,6 @@ def test_what_is_not_clear_is_left_to_a_person(need, listed, text):
     assert decision.state == "listed"
     found = {one.topic.id: one.access.text for one in decision.candidates}
     assert found[listed].startswith(text)
-
-
-@tabled
-def test_the_nearest_miss_is_named(need: dict[str, Any], topic: str, why: str) -> None:
-    (decision,) = decide(
-        [InputNeed(**need)], [one for one in TOPICS if one.id == topic], known_messages().get
-    )
-    missed = decision.missed
-    assert missed is not None
-    assert (missed.topic.id, missed.reasons) == (topic, (why,))
 
 
 def test_claims_of_other_names_are_listed_only_where_none_is_like_the_input() -> None:

@@ -96,9 +96,9 @@ def without_cross_check(monitor: BoundMonitor) -> BoundMonitor:
 
 def used(path: Path) -> Steps:
     """Do with a model what check, show, diagram, export and generate do before they write."""
-    check_files([path])
-    yield
     source = read_source(path)
+    check_files([path], hazards=is_xml(source))
+    yield
     if is_xml(source):  # of other files the survey is the models and their counts, as below
         survey_of(source)
         yield
@@ -513,7 +513,8 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
         "shuttle/shuttle.xml", oracles="bn/eddi_pedestrian_fig12.xml",
     ),
     "EDDI with maps": _models(
-        *(f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards", "scope"))
+        *(f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards", "scope")),
+        "warehouse-robot/hazards.xml",
     ),
     "EDDI-Editor": _models(more=_of_eddi_editor),
     "EDDI written": _written,

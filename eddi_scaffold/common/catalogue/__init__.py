@@ -8,7 +8,6 @@ the code where it has one case only::
     title = "an age limit that cannot work"
     why = "The value counts as known long after its source died."
     fix = "write the limit in seconds"
-    absorbed = ["K082"]        # codes of before that mean this one
 
     [K029.long]
     level = "warning"
@@ -21,7 +20,6 @@ A call names the case, and gives the fields of its text and its hint:
 
 from __future__ import annotations
 
-import difflib
 import re
 from dataclasses import dataclass
 from functools import cache
@@ -52,7 +50,6 @@ class Diagnostic:
     fix: str  # what helps
     # name -> what is printed; the name is empty where there is one case only
     cases: dict[str, Case]
-    absorbed: tuple[str, ...]  # codes of before that mean this one
 
     @property
     def levels(self) -> list[Level]:
@@ -68,7 +65,6 @@ class Diagnostic:
             "levels": self.levels,
             "why": self.why,
             "fix": self.fix,
-            "absorbed": self.absorbed,
             "cases": [{"case": name, **case._asdict()} for name, case in self.cases.items()],
         }
 
@@ -118,7 +114,6 @@ def _diagnostic(code: str, table: dict[str, Any]) -> Diagnostic:
             name: Case(entry["level"], entry["text"], entry.get("hint"))
             for name, entry in (cases or {"": table}).items()
         },
-        tuple(table.get("absorbed", ())),
     )
 
 
@@ -134,16 +129,8 @@ def areas() -> list[Area]:
 
 
 def find(code: str) -> Diagnostic | None:
-    """Return the diagnostic of a code, or of one of before, in whatever case it is written."""
-    code = code.upper()
-    return next((entry for entry in _all() if code in (entry.code, *entry.absorbed)), None)
-
-
-def similar(code: str) -> list[str]:
-    """Return up to three codes that are most like a text, of its letter where there are any."""
-    code, known = code.upper(), [entry.code for entry in _all()]
-    of_letter = [entry for entry in known if entry[:1] == code[:1]]
-    return difflib.get_close_matches(code, of_letter or known, n=3, cutoff=0.5)
+    """Return the diagnostic of a code, in whatever case it is written."""
+    return next((entry for entry in _all() if entry.code == code.upper()), None)
 
 
 def _all() -> list[Diagnostic]:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def verify(
     program: Program,
     units: Mapping[str, str],
-    accepted: Mapping[str, Sequence[str]],
+    accepted: Sequence[tuple[str, ...]],
     emitted: Emitted,
 ) -> Iterator[str]:
     """Compare a text with events; yield what is proved.
@@ -23,7 +23,7 @@ def verify(
     Args:
         program: the events as they were read.
         units: of the inputs.
-        accepted: event -> what it accepts of silence.
+        accepted: what each event accepts of silence.
         emitted: the text.
     """
     monitor = emitted.monitor("event.EventMonitor")
@@ -41,9 +41,9 @@ def verify(
                 result.hazard,
                 tuple(ids.index(order[k]) for k in sorted(rests[result.operation])),
             ),
-            {"accepts": tuple(accepted[result.id])} if accepted[result.id] else {},
+            {"accepts": accepts} if accepts else {},
         )
-        for result in program.results
+        for result, accepts in zip(program.results, accepted, strict=True)
     ]
     emitted.attribute(monitor, "events", tuple(events))
     of_inputs(emitted, monitor, program, units)

@@ -115,20 +115,11 @@ class _Planner:
         self.problems.append(problem(case, self.settings.place(key), hint=hint, **fields))
 
     def _check_features(self) -> None:
-        """Report the features that never change, and those that are equal."""
+        """Report the features that never change."""
         rows, key = self.rows, "reference_sample_file"
         constant = np.flatnonzero((rows == rows[0]).all(axis=0)).tolist()
         if constant:
             self._report("L010.constant", key, features=_listed("feature", constant))
-        first: dict[bytes, int] = {}
-        pairs = []
-        for k, column in enumerate(np.ascontiguousarray(rows.T) + 0.0):  # -0.0 equals 0.0
-            other = first.setdefault(column.tobytes(), k)
-            if other not in (k, *constant):
-                pairs.append(f"{other} and {k}")
-        if pairs:
-            shown = ", ".join(pairs[:_LISTED])
-            self._report("L010.equal", key, pairs=shown, same=_more(pairs))
 
     def _components(self, other: scope.Rows) -> int | None:
         settings, requested = self.settings, self.settings.n_components

@@ -20,6 +20,7 @@ from eddi_scaffold.kinds.safeml.reference import read_named
 from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, NAME, Plan, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import as_eddi_map, read_settings, settings_of_eddi
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
+from eddi_scaffold.kinds.safeml.vectors import safeml_vectors
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
@@ -182,6 +183,9 @@ class SafeMLModel(Model):
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_safeml(self.data.reference, self.configured, declaration)
+
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        return safeml_vectors(self.configured, inputs, about)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         return [Claim("in_scope", frozenset(input_.id for input_ in inputs))]

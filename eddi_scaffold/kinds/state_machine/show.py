@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from eddi_scaffold.common.escaping import markdown_text
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
-from eddi_scaffold.kinds.state_machine.machine import State, StateMachine, Transition
+from eddi_scaffold.kinds.state_machine.machine import StateMachine, Transition
 from eddi_scaffold.kinds.state_machine.options import Settings
 
 _LEGEND = (
@@ -19,7 +19,8 @@ _LEGEND = (
 def outline(machine: StateMachine, settings: Settings) -> Iterator[str]:
     """Yield the states with their transitions, what the triggers are, and what is claimed."""
     for state in machine.states:
-        yield f"{state.name}{_marks(state)}"
+        marks = ", ".join(["initial"] * state.is_initial + ["fail"] * state.is_fail)
+        yield f"{state.name} ({marks})" if marks else state.name
         yield from (
             f"  {moment}: {action.kind} {action.text}" for moment, action in state.actions()
         )
@@ -32,11 +33,6 @@ def outline(machine: StateMachine, settings: Settings) -> Iterator[str]:
     yield f"start {settings.start}"
     for evidence in settings.evidence:
         yield f"evidence {evidence.id}: {evidence.text}"
-
-
-def _marks(state: State) -> str:
-    marks = [*(["initial"] if state.is_initial else []), *(["fail"] if state.is_fail else [])]
-    return f" ({', '.join(marks)})" if marks else ""
 
 
 def _condition(transition: Transition) -> str:

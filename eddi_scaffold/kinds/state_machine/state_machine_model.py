@@ -20,6 +20,7 @@ from eddi_scaffold.kinds.state_machine.compile import actions_module, compile_ma
 from eddi_scaffold.kinds.state_machine.machine import NAME, StateMachine
 from eddi_scaffold.kinds.state_machine.options import Settings, Value, read_settings
 from eddi_scaffold.kinds.state_machine.read_eddi import read_machines
+from eddi_scaffold.kinds.state_machine.vectors import state_machine_vectors
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
@@ -117,6 +118,9 @@ class StateMachineModel(kinds.Model):
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_machine(self.data, self.settings, declaration)
+
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        return state_machine_vectors(self.data, self.settings, inputs, about)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the evidence: any input may make another state possible."""

@@ -3,6 +3,7 @@
 import pytest
 from eddi_runtime.node.health import Diagnostics
 from eddi_runtime.node.report import ERROR, OK
+from eddi_runtime.node.start import StartError
 
 from runtime_lib.tests.node.robot import Robot, ToyNode, generated
 
@@ -25,6 +26,11 @@ def raising(*_):
 
 def logged(robot, about):
     return [text for level, text in robot.lines if level == "error" and about in text]
+
+
+def test_a_class_of_the_d72_tools_is_refused(robot):
+    with pytest.raises(StartError, match="eddi-scaffold adopt"):
+        robot.start("consertb", object)
 
 
 def test_setup_runs_once_when_the_inputs_have_their_defaults(robot, eddi_input):

@@ -39,9 +39,8 @@ def test_text_of_the_diagnostic(name):
 
 
 def test_every_code_has_a_case():
-    diagnostics = area("C").diagnostics.values()
-    codes = {name[:4] for name in REPORTED.inputs}
-    assert all(codes & {diagnostic.code, *diagnostic.absorbed} for diagnostic in diagnostics)
+    printed = Path(__file__).with_name("diagnostics.txt").read_text("utf-8")
+    assert all(f"[{code}]" in printed for code in area("C").diagnostics)
 
 
 def test_the_sound_file_has_no_problem():

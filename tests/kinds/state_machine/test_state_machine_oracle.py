@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.kinds.state_machine.options import input_id
+from eddi_scaffold.kinds.state_machine.state_machine_model import StateMachineModel
 from tests.kinds.state_machine.machines import (
     DATA,
     configured,
@@ -20,8 +21,8 @@ TRUTH = {"F": False, "U": float("nan"), "T": True}  # what is no truth value is 
 MESSAGES = {"F": [], "U": [None], "T": [True]}
 
 
-def monitor_of(case: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-    """Return the monitor of a case, and its inputs before any message has come."""
+def configured_case(case: dict[str, Any]) -> StateMachineModel:
+    """Return the configured machine of a case."""
     model, config = machine_of(DATA / f"{case['model']}.emf.xml"), case["config"]
     steps = case["steps"]
     observed = dict.fromkeys(state for step in steps for state in step.get("observe", ()))
@@ -35,7 +36,12 @@ def monitor_of(case: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
     if "max_gap" in config:
         values["max_gap"] = f"{config['max_gap']} s"
     inputs = dict.fromkeys([*values["observe"].values(), "reset_now"], "bool")
-    model, _ = configured(model, options_of(values, inputs, 1 / config["period"]))
+    return configured(model, options_of(values, inputs, 1 / config["period"]))[0]
+
+
+def monitor_of(case: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """Return the monitor of a case, and its inputs before any message has come."""
+    model = configured_case(case)
     given = {one.id: [] if one.every_message else None for one in model.inputs()}
     return running(model), given
 

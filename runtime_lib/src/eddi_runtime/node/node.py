@@ -16,7 +16,6 @@ from ..monitor import ModelError, Monitor, Steps, __version__
 from ..plain_values import one_line
 from ..why import TRUE, why_tree
 from .health import Diagnostics, Health, Told, first_reasons
-from .pasted import PASTED, understood
 from .report import GraphFact, Report
 from .start import LOG, STARTUP_GRACE_S, Ending, Schedule, Settings, StartError, Waker
 from .topics import (
@@ -70,12 +69,13 @@ class Node:
     def __init__(
         self, monitor: Steps, eddi_input: EDDIInputBase, converter: Converter, options: Options
     ) -> None:
+        if not hasattr(eddi_input, "begin_step"):  # one of the D7.2 tools
+            raise StartError("EDDIInput.py is not the generated one: run `eddi-scaffold adopt`")
         core: Any = monitor
         self._core: Monitor[Any] = getattr(core, "monitor", core)
         self._core.deferred = True
         self.monitor = monitor
-        self.eddi_input: EDDIInputBase = understood(eddi_input, self._core.inputs)
-        self._pasted = self.eddi_input is not eddi_input
+        self.eddi_input = eddi_input
         self.simulator_values: dict[str, Any] = {}  # the latest messages, at the present step
         self.options = options or Settings(self.FREQUENCY, startup_grace=self.STARTUP_GRACE)
         self.ending = Ending()
@@ -346,8 +346,6 @@ class Node:
         values = (core.model_id, core.kind, core.digest, __version__, folder)
         without = ", ".join(unlimited) or "none"
         LOG.info(f"{text} inputs without max_age: %s", *values, without)
-        if self._pasted:
-            LOG.warn("%s", PASTED)
 
     def prepare(self) -> None:
         """Do what can fail before anything is registered (MessageError)."""

@@ -1,0 +1,57 @@
+"""Vectors of SafeML: a monitor passes its own, and every mutant is killed or equal."""
+
+from __future__ import annotations
+
+import ast
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from eddi_runtime.testing import failures
+
+from eddi_scaffold.recordings.playing import compiled
+from tests.data_files import tabled
+from tests.kinds.consert.test_vectors import Package, input_class, names_only
+from tests.kinds.safeml.monitors import CONNECTED, LONG_NAMES, joined
+
+
+@tabled
+def test_a_monitor_passes_its_vectors(metric: str, keys: dict[str, Any], tmp_path: Path) -> None:
+    rows = np.random.default_rng(3).normal(size=(240, 3)).tolist()
+    needed = {"window_size": 12, "significance_level": 0.05, "distance_metric": LONG_NAMES[metric]}
+    monitor, _ = joined(tmp_path, rows, CONNECTED, **needed, **keys)
+    file, class_ = tmp_path / "vectors.json", type(compiled(monitor))
+    file.write_text(monitor.model.vectors(monitor.bound, {}))
+    assert failures(str(file), class_, input_class(class_)) == []
+    results = [step[2] for _, steps in json.loads(file.read_text())["runs"] for step in steps]
+    assert {True, False} <= {result.get("odd_violation") for result in results}
+
+
+@pytest.mark.filterwarnings("ignore::SyntaxWarning")
+def test_each_mutant_is_killed_or_proved_equal(tmp_path: Path) -> None:
+    package = Package(
+        "camera_scope", "safeml/safeml_config.yml", "safeml/perception_config.yml", tmp_path
+    )
+    assert json.loads(package.vectors.read_text())["complete"]
+    survivors, _ = package.survivors(most=40)
+    original = package.class_of(package.body)
+    points = [value + d for value in original.tail._values for d in (-1e-6, 0.0, 1e-6)]
+    values = sorted([*points, *(k / 100 for k in range(2000))])
+
+    def bounds(of: Any) -> list[float]:
+        return [min(1.0, 4 * of.tail(value)) for value in values]
+
+    expected, own = bounds(original), original()
+    unchanged = ast.unparse(ast.parse(package.body)).splitlines()
+    others = [line for line in unchanged if "tail =" not in line]
+    smallest = own._comparison.reference[3].min()  # of what the axes leave out
+    for text in survivors:
+        mutant = package.class_of(text)
+        # a probability of four tests is at most 1: what is more of one is not seen; and nothing of
+        # the reference is as small as what counts as 0
+        lines = [line for line in text.splitlines() if "tail =" not in line]
+        is_tail = bounds(mutant) == pytest.approx(expected, rel=1e-9) and lines == others
+        is_floor = mutant.axes._floor != original.axes._floor and mutant.axes._floor < smallest
+        assert names_only(text, mutant, original) or is_tail or is_floor, text
