@@ -16,13 +16,14 @@ from pathlib import Path
 from typing import Any
 
 import eddi_runtime
-from eddi_runtime.inputs import EDDIInputBase
+from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.plain_values import one_line
 from eddi_runtime.testing import failures
 
 from eddi_scaffold.common.files import next_to, read_regular, read_source
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, plural, problem
+from eddi_scaffold.config.file import named_model_path
 from eddi_scaffold.evidence.conditions import expressions
 from eddi_scaffold.evidence.emitted import Emitted, Finding, UnprovedError
 from eddi_scaffold.kinds import JsonValue
@@ -105,6 +106,8 @@ def checked(monitor: BoundMonitor, text: str) -> tuple[list[str], list[Finding]]
         emitted.end()
     except UnprovedError as refused:
         findings.append(Finding(refused.line, str(refused), differs=False))
+    except (LookupError, RecursionError, TypeError, ValueError) as damage:  # no text of ours
+        findings.append(Finding(1, f"it cannot be read: {one_line(damage)}", differs=False))
     return [] if findings else proved, findings
 
 
@@ -121,7 +124,8 @@ def verified(
     read, _ = read_configs(configs)
     named = ((package_name(of.config.Model.id), of) for of in read)
     own = {name: of for name, of in named if name == folder}
-    path = model or _source(package, facts.file, facts.file_sha256)
+    path = model or (named_model_path(own[folder]) if folder in own else None)
+    path = path or _source(package, facts.file, facts.file_sha256)
     if read_source(path).sha256 != facts.file_sha256:
         place = Place(str(path))
         raise EddiError(
@@ -190,15 +194,14 @@ def _input_class(inputs: Sequence[Any]) -> type[Any]:
 
     class Input(EDDIInputBase):
         def __init__(self) -> None:
-            for spec in inputs:
-                setattr(self, spec.attribute, spec.default)
             super().__init__(inputs)
+            vars(self).update({spec.attribute: spec.default for spec in inputs})
 
         def processing(self, messages: Mapping[str, object]) -> None:
             self.begin_processing()
             for spec in inputs:
-                method = getattr(self, f"process_{spec.attribute}")
-                self.update(spec.id, method, messages, spec.requires)
+                take = self.update_each if spec.every_message else self.update
+                take(spec.id, getattr(self, f"process_{spec.attribute}"), messages, spec.requires)
 
     return Input
 
