@@ -258,7 +258,7 @@ class Drawing:
         for n in (-1, 1) if any(row.window for row in rows) else ():
             yield of_time("gap", self.jumps, lambda _, of, n=n: self._history(of, gap=n))
         if any(row.window or row.op in _STATEFUL for row in rows):
-            back = [-1, -2 * period, *self.deltas]
+            back = [-1, -1, *self.deltas]  # as little as can be: whatever is kept is still inside
             yield of_time("back", back, lambda _, of: self._history(_onward(of, period)))
         yield of_time("same time", [0, period], lambda _, of: self._history(_onward(of, 0)))
         for name, (see, _) in self.faulty.items():
