@@ -181,11 +181,22 @@ def check_rings(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
 
 def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ...]]:
     """Return for each claim the claims of other monitors that it rests on."""
+    of_inputs = supports_of_inputs(participants).items()
+    return {
+        claim: tuple(dict.fromkeys(one for of in inputs.values() for one in of))
+        for claim, inputs in of_inputs
+    }
+
+
+def supports_of_inputs(
+    participants: Sequence[WiredMonitor],
+) -> Mapping[str, Mapping[str, Sequence[str]]]:
+    """Return the same for each input that a claim rests on."""
     by_topic: dict[str, list[PublishedTopic]] = {}
     for participant in participants:
         for topic, item in participant.published:
             by_topic.setdefault(topic, []).append(item)
-    graph: dict[str, tuple[str, ...]] = {}
+    graph: dict[str, Mapping[str, Sequence[str]]] = {}
     for participant in participants:
         below = {
             name: [
@@ -198,8 +209,8 @@ def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ..
             for name, reads in participant.topics_read.items()
         }
         for claim in participant.facts.claims:
-            rests = [claims for name, claims in below.items() if name in claim.rests_on]
-            graph[participant.claim(claim.id)] = tuple(dict.fromkeys(c for of in rests for c in of))
+            rests = {name: claims for name, claims in below.items() if name in claim.rests_on}
+            graph[participant.claim(claim.id)] = rests
     return graph
 
 

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 
 COMMANDS = [
     *("example", "check", "show", "run", "generate"),
-    *("connect", "parse-rossystem", "regions", "status", "upgrade", "watch", "explain"),
+    *("connect", "parse-rossystem", "regions", "status", "upgrade", "watch", "explain", "inject"),
     *("diagram", "compose", "export", "event", "trace"),
     *("adopt", "answers"),
 ]

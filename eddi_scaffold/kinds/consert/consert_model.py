@@ -174,6 +174,9 @@ class ConSertModel(Model):
             for guarantee in self.data.guarantees
         ]
 
+    def lag(self, output: str, input_: str) -> float:
+        return 0.0
+
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return what a filter by majority accepts: the majority of old steps."""
         seconds = self.options.hold_s(frequency)
