@@ -19,6 +19,7 @@ from pydantic import (
     StrictFloat,
     StrictInt,
     StrictStr,
+    model_validator,
 )
 
 from eddi_scaffold.common.identifiers import is_ros_name
@@ -289,6 +290,43 @@ class FleetSection(Section):
     closed: StrictBool = False
 
 
+FAULTS = ("drop", "nan", "delay", "duplicate", "freeze", "bias", "scale")
+"""What ``inject`` does to a topic."""
+_NUMBER = "[-+]?[0-9]{1,9}(?:[.][0-9]{1,9})?"
+_fault = text(
+    re.compile(
+        f"drop|nan|duplicate|freeze|delay(?: {_NUMBER} ?m?s)?|bias {_NUMBER}|scale {_NUMBER}"
+    ).fullmatch,
+    "a fault",
+    "drop, nan, delay, delay 0.2 s, duplicate, freeze, bias -2, scale 1000",
+)
+Fault = Annotated[StrictStr, _fault]
+
+
+class Reaction(Section):
+    """How soon a guarantee has to be gone after a fault, for ``inject``."""
+
+    guarantee: Name
+    hazard: Line | None = None  # what it keeps away, for people
+    # seconds from a fault to the hazard: the fault tolerant time interval
+    ftti: Annotated[float, _promise]
+    reaction: Annotated[float, _wait] | None = None  # seconds of it that the robot needs to react
+    faults: Annotated[list[Fault], Field(min_length=1)]
+    topics: list[Topic] = []  # full names, by default all that the guarantee rests on
+    accept: Line | None = None  # why these faults may have no bound, or not be exercised
+
+    @property
+    def within(self) -> float:
+        """Seconds that are left to take the guarantee away."""
+        return self.ftti - (self.reaction or 0.0)
+
+    @model_validator(mode="after")
+    def _leaves_time(self) -> Reaction:
+        if self.within <= 0:
+            raise HintedError("a reaction shorter than the ftti is expected")
+        return self
+
+
 class ConnectSection(Section):
     """What ``connect`` reads beside the rest."""
 
@@ -306,6 +344,7 @@ class Config(Section):
     EDDIOutputs: list[OutputEntry] = []
     Fleet: FleetSection | None = None
     Package: PackageSection = PackageSection()
+    Reactions: list[Reaction] = Field([], exclude=True)  # no package depends on it
     # message type -> field -> type, as in its `.msg` file: for types that eddi-scaffold does not
     # know
     MessageTypes: dict[MessageType, dict[StrictStr, FieldType]] = {}
