@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Literal, NamedTuple
 
-import yaml
-
 from eddi_scaffold.common.escaping import one_line, xml_text
+from eddi_scaffold.yaml_text.writer import dump_plain
 
 
 class Node(NamedTuple):
@@ -34,7 +33,7 @@ def gsn(nodes: Sequence[Node]) -> str:
         }
         kept = {name: value for name, value in more.items() if value}
         document[node.id] = {"text": one_line(node.text), **kept}
-    return yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=1000)
+    return dump_plain(document)
 
 
 _ARGUMENT = "//@assuranceCasePackages.0/@argumentPackages.0/@argumentationElement"
