@@ -99,6 +99,7 @@ _GROUPS: dict[str, list[Callable[..., None]]] = {
         connect.parse_rossystem,
         packages.regions,
         packages.status,
+        packages.verify,
         packages.upgrade,
         watch.watch,
         learning.explain,

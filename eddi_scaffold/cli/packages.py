@@ -1,4 +1,4 @@
-"""Commands on packages that are there: ``status upgrade regions adopt trace``."""
+"""Commands on packages that are there: ``status verify upgrade regions adopt trace``."""
 
 from __future__ import annotations
 
@@ -47,6 +47,41 @@ def status(
         for report in reports:
             console.data(report.as_text())
     if any(report.drifted for report in reports):
+        raise typer.Exit(ExitStatus.NO)
+
+
+def verify(
+    packages: Annotated[list[Path], typer.Argument()],
+    model: Path | None = None,
+    config: list[Path] | None = None,
+    as_json: bool = False,
+) -> None:
+    """Prove that the text of packages is their model.
+
+    The model is read from its own file. What is proved, tested, trusted, and what is not, is
+    printed; the exit status is 1 when anything differs or is not proved.
+
+    Example: eddi-scaffold verify catkin_ws/src/eddi_monitor/conserta -m two_conserts.xml
+
+    Args:
+        packages: Folders of packages of monitors.
+        model: Model file; by default it is looked for from the package upwards.
+        config: Its configuration; by default as the package remembers it.
+    """
+    from eddi_scaffold.packages.upgrading import groups
+    from eddi_scaffold.packages.verifying import verified
+
+    results = [
+        verified(group, folder, model, config or [])
+        for group in groups(None, packages)
+        for folder, answers in group.present.items()
+        if "facts" in answers
+    ]
+    if as_json:
+        console.json({"packages": [result.as_json() for result in results]})
+    else:
+        console.data("\n".join(result.as_text() for result in results))
+    if not all(result.holds for result in results):
         raise typer.Exit(ExitStatus.NO)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeAlias,
 from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meaning, Meanings, Use
 from eddi_scaffold.common.problems import EddiError, Place
 from eddi_scaffold.common.toml_tables import read_toml
+from eddi_scaffold.evidence.emitted import UnprovedError
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.diagrams import Diagram
     from eddi_scaffold.eddi_xml.document import EddiDocument
     from eddi_scaffold.eddi_xml.links import Links
+    from eddi_scaffold.evidence.emitted import Emitted
     from eddi_scaffold.program.input_expressions import BoundInput
     from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
@@ -350,6 +352,16 @@ class Model:
             about: the file of the model and its digest.
         """
         return ""
+
+    def verify(self, emitted: Emitted) -> Iterator[str]:
+        """Compare the text of a monitor with the configured model, without what compiles it.
+
+        What differs is noted in the text; what is proved is yielded, in a line each.
+
+        Raises:
+            UnprovedError: a statement has no form.
+        """
+        raise UnprovedError(None, f"nothing checks the kind {self.kind} yet")
 
     def cross_check(self, running: Callable[[], Any]) -> CrossCheck | None:
         """Compare the running monitor with an independent tool, where there is one."""

@@ -14,6 +14,7 @@ from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.problems import Problem, has_errors, in_order
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Shape, Tone
 from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert import read_eddi
@@ -28,6 +29,7 @@ from eddi_scaffold.kinds.consert.options import (
 )
 from eddi_scaffold.kinds.consert.read_short import read_consert
 from eddi_scaffold.kinds.consert.vectors import consert_vectors
+from eddi_scaffold.kinds.consert.verify import verify
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -159,6 +161,9 @@ class ConSertModel(Model):
 
     def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
         return consert_vectors(self.data, self.options, inputs, about)
+
+    def verify(self, emitted: Emitted) -> Iterator[str]:
+        return verify(self.data, self.options, emitted)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return each guarantee, by its id in messages, with the leaves that it rests on."""

@@ -206,7 +206,7 @@ def _states(rows: Sequence[tuple[object, str]]) -> list[object]:
 
 def _shown(node: Evidence | Demand, factor: tuple[int, int] | None) -> list[object] | None:
     """Return how a value is shown to people: what is needed, unit, factor."""
-    dimension = _dimension(node)
+    dimension = dimension_of(node)
     if isinstance(dimension, BinaryDimension | CategoricalDimension):
         return None
     unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
@@ -214,7 +214,8 @@ def _shown(node: Evidence | Demand, factor: tuple[int, int] | None) -> list[obje
     return [f"{needs} {unit}".rstrip(), unit, [*(factor or (1, 1))]]
 
 
-def _dimension(node: Evidence | Demand) -> Dimension:
+def dimension_of(node: Evidence | Demand) -> Dimension:
+    """Return what is judged of a leaf: a demand is a Boolean at run time."""
     return node.dimension if isinstance(node, Evidence) else BinaryDimension("")
 
 
@@ -222,7 +223,7 @@ def _judged(
     node: Evidence | Demand, factor: tuple[int, int] | None
 ) -> Iterator[tuple[object, str]]:
     """Yield values of a leaf with their verdicts; one in braces is of no type of JSON."""
-    dimension = _dimension(node)
+    dimension = dimension_of(node)
     yield from ((value, "U") for value in (None, {"is": "nan"}, {"is": "object"}, {"is": "absent"}))
     if isinstance(dimension, BinaryDimension):
         yield from ((value, "T" if value is dimension.value else "F") for value in (True, False))
@@ -237,7 +238,7 @@ def _judged(
         return
     yield from ((value, "U") for value in ("1", ""))
     covered: list[tuple[Range, float, float]] = [
-        (one, _in_unit(one.start, factor), _in_unit(one.end, factor)) for one in dimension.covered
+        (one, in_unit(one.start, factor), in_unit(one.end, factor)) for one in dimension.covered
     ]
     ends = [end for _, start, end_ in covered for end in (start, end_)]
     declared = [end.value for one in dimension.covered for end in (one.start, one.end)]
@@ -257,7 +258,7 @@ def _covers(covered: Range, start: float, end: float, value: float) -> bool:
     )
 
 
-def _in_unit(bound: Bound, factor: tuple[int, int] | None) -> float:
+def in_unit(bound: Bound, factor: tuple[int, int] | None) -> float:
     """Return the double that is next to a bound, in the unit of the input."""
     value = exact(bound)
     if factor is None or isinstance(value, float):

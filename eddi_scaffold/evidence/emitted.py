@@ -1,0 +1,339 @@
+"""The text of a ``compiled.py``: a closed list of forms, each statement taken by one of them.
+
+Nothing of it is executed. What no form takes is not proved; what a form takes is compared with the
+model. A form is Python in which single capital letters stand for any expression or attribute.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+if TYPE_CHECKING:
+    from eddi_scaffold.program.monitor_text import Declaration
+
+Key = TypeVar("Key")
+Holes = dict[str, Any]  # what the letters of a form stand for: expressions, names of attributes
+EXPRESSIONS = ("expression", "hold", "lists", "stacks", "window", "windows")
+"""Modules of the runtime below ``eddi_runtime.expressions``; all others are below the kind's."""
+_CONSTANTS = ("INF = float('inf')", "NAN = float('nan')")
+_PLACES = {"ctx", "kind", "type_comment", "type_params"}  # fields that decide nothing
+
+
+class Finding(NamedTuple):
+    """Something that keeps a text from being proved."""
+
+    line: int  # in `compiled.py`
+    text: str  # a counterexample, or what is not understood
+    differs: bool  # it is another monitor, not only one that is not proved
+
+
+class UnprovedError(Exception):
+    """A statement has no form."""
+
+    def __init__(self, node: ast.AST | None, why: str = "it has no known form") -> None:
+        super().__init__(why)
+        self.line = getattr(node, "lineno", 1)
+
+
+class Call(NamedTuple):
+    """A call as data; without arguments, a name."""
+
+    name: str
+    args: tuple[Any, ...] | None = None
+    keywords: Mapping[str, Any] = {}
+
+    def __repr__(self) -> str:
+        rows = [*map(repr, self.args or ())]
+        rows += [f"{key}={value!r}" for key, value in sorted(self.keywords.items())]
+        return self.name if self.args is None else f"{self.name}({', '.join(rows)})"
+
+
+def data(node: ast.expr) -> Any:
+    """Return an expression as data: constants, tuples, lists, dicts, calls and names."""
+    match node:
+        case ast.Constant():
+            return node.value
+        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant() | ast.Name(id="INF")):
+            return -data(node.operand)
+        case ast.Tuple():
+            return tuple(map(data, node.elts))
+        case ast.List():
+            return [*map(data, node.elts)]
+        case ast.Dict():
+            pairs = zip(node.keys, node.values, strict=True)
+            return {data(key): data(value) for key, value in pairs if key is not None}
+        case ast.Name(id="INF" | "NAN"):
+            return float(node.id)
+        case ast.Name() | ast.Attribute():
+            return Call(ast.unparse(node))
+        case ast.Call():
+            named = {keyword.arg or "**": data(keyword.value) for keyword in node.keywords}
+            return Call(ast.unparse(node.func), tuple(map(data, node.args)), named)
+    raise UnprovedError(node)
+
+
+@cache
+def _parsed(form: str) -> Sequence[ast.stmt]:
+    return ast.parse(form).body
+
+
+def _is_hole(name: object) -> bool:
+    return isinstance(name, str) and len(name) == 1 and name.isupper()
+
+
+def _unify(form: Any, node: Any, holes: Holes) -> bool:
+    if isinstance(form, ast.Name) and _is_hole(form.id):
+        before = holes.setdefault(form.id, node)
+        return before is node or ast.unparse(before) == ast.unparse(node)
+    if isinstance(form, ast.Attribute) and _is_hole(form.attr):
+        is_same = isinstance(node, ast.Attribute) and _unify(form.value, node.value, holes)
+        return is_same and holes.setdefault(form.attr, node.attr) == node.attr
+    if type(form) is not type(node):
+        return False
+    if isinstance(form, ast.AST):
+        names = [name for name in form._fields if name not in _PLACES]
+        return all(_unify(getattr(form, name), getattr(node, name), holes) for name in names)
+    if isinstance(form, list):
+        return len(form) == len(node) and all(map(_unify, form, node, [holes] * len(form)))
+    return repr(form) == repr(node)
+
+
+def matched(form: str, node: ast.expr) -> Holes | None:
+    """Return what the letters of a form stand for in an expression."""
+    holes: Holes = {}
+    return holes if _unify(_parsed(form), [ast.Expr(node)], holes) else None
+
+
+class Lines:
+    """The statements of a body, which are taken from the front."""
+
+    def __init__(self, function: ast.FunctionDef) -> None:
+        self.rest, self._end = deque(function.body), function
+
+    def which(self, forms: Mapping[Key, str]) -> tuple[Key, Holes]:
+        """Take the next statements, and return which of some forms they have."""
+        for key, form in forms.items():
+            holes: Holes = {}
+            size = len(_parsed(form))
+            if _unify(_parsed(form), [*self.rest][:size], holes):
+                for _ in range(size):
+                    self.rest.popleft()
+                return key, holes
+        raise UnprovedError(self.rest[0] if self.rest else self._end)
+
+    def take(self, *forms: str) -> Holes:
+        """Take the next statements, which have one of these forms."""
+        return self.which(dict(enumerate(forms)))[1]
+
+    def end(self) -> None:
+        """Refuse further statements."""
+        if self.rest:
+            raise UnprovedError(self.rest[0])
+
+
+class Class:
+    """A class: what no form has taken yet."""
+
+    def __init__(self, node: ast.ClassDef) -> None:
+        self.node, self.base = node, ast.unparse(ast.Tuple(node.bases))
+        self.attributes: dict[str, ast.expr] = {}
+        self.methods: dict[str, ast.FunctionDef] = {}
+        for of in node.body:
+            match of:
+                case ast.Assign(targets=[ast.Name(id=name)]) if name not in self.attributes:
+                    self.attributes[name] = of.value
+                case ast.FunctionDef(name=name, decorator_list=[]) if name not in self.methods:
+                    self.methods[name] = of
+                case _:
+                    raise UnprovedError(of)
+
+    def method(self, name: str, arguments: str) -> Lines | None:
+        """Take a method with these arguments; ``None`` where there is none."""
+        function = self.methods.pop(name, None)
+        if function is not None and ast.unparse(function.args) != arguments:
+            raise UnprovedError(function)
+        return None if function is None else Lines(function)
+
+
+class Emitted:
+    """A ``compiled.py``; ``findings`` are what keeps it from being proved.
+
+    Args:
+        text: of the file.
+        kind: of the monitor.
+        declared: id, digest and bound inputs of the model that was read.
+        formats: part of the runtime -> the format that it has.
+
+    Raises:
+        UnprovedError: a statement of the module has no form.
+    """
+
+    def __init__(
+        self, text: str, kind: str, declared: Declaration, formats: Mapping[str, int]
+    ) -> None:
+        self.kind, self.declared = kind, declared
+        self.findings: list[Finding] = []
+        self.classes: dict[str, Class] = {}
+        self.functions: dict[str, ast.FunctionDef] = {}
+        self.values: dict[str, ast.expr] = {}  # of names of the module
+        self.expressions: dict[str, str] = {}  # input -> class that computes it
+        try:
+            tree = ast.parse(text)
+        except (SyntaxError, ValueError, RecursionError) as error:
+            raise UnprovedError(None, f"it is no Python: {error}") from None
+        names, parts = set[str](), dict[str, int]()
+        for node in tree.body[1 if ast.get_docstring(tree) is not None else 0 :]:
+            taken, new = ast.unparse(node), ""
+            match node:
+                case ast.Import() if taken == "import eddi_runtime":
+                    new = "eddi_runtime"
+                case ast.ImportFrom() if all(alias.asname is None for alias in node.names):
+                    new = " ".join(alias.name for alias in node.names)
+                    part = "expressions" if {*new.split()} & {*EXPRESSIONS} else kind
+                    module = "eddi_runtime"
+                    if not {*new.split()} <= {"InputSpec", "expressions", kind}:
+                        module = f"eddi_runtime.{part}"
+                        parts |= {part: formats[part]}
+                    if taken != f"from {module} import {', '.join(new.split())}":
+                        raise UnprovedError(node)
+                case ast.Expr() if taken.startswith("eddi_runtime.needs("):
+                    used = [
+                        "eddi_runtime",
+                        kind,
+                        *(["expressions"] if "expressions" in names | {*parts} else []),
+                    ]
+                    needed = ", ".join(f"{of}: {formats[of]}" for of in used)
+                    if taken != f"eddi_runtime.needs(__file__, {{{needed}}})":
+                        self.differs(node, f"the runtime has the formats {needed}")
+                    new = "needs"
+                case ast.Assign() if taken in _CONSTANTS:
+                    new = taken[:3]
+                case ast.Assign(targets=[ast.Name(id=new)]) if new not in ("INF", "NAN"):
+                    self.values[new] = node.value
+                case ast.ClassDef(name=new, keywords=[], decorator_list=[]):
+                    self.classes[new] = Class(node)
+                case ast.FunctionDef(name=new, decorator_list=[]):
+                    self.functions[new] = node
+                case _:
+                    raise UnprovedError(node)
+            if names & {*new.split()}:
+                raise UnprovedError(node, "a name has two meanings")
+            names |= {*new.split()}
+        if "needs" not in names:
+            raise UnprovedError(None, "it does not say which runtime it needs")
+        self._refuse_hidden(tree, names)
+
+    def _refuse_hidden(self, tree: ast.Module, names: AbstractSet[str]) -> None:
+        """Refuse variables that hide what is called in the same function."""
+        for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+            inside = [*ast.walk(function)]
+            calls = {
+                ast.unparse(of.func).partition(".")[0] for of in inside if isinstance(of, ast.Call)
+            }
+            own = {
+                of.id for of in inside if isinstance(of, ast.Name) and isinstance(of.ctx, ast.Store)
+            }
+            own |= {of.arg for of in inside if isinstance(of, ast.arg)}
+            if own & {"INF", "NAN", *calls} & {*names, *vars(builtins)}:
+                raise UnprovedError(function, "a variable hides what is called")
+
+    def differs(self, node: ast.AST | None, text: str) -> None:
+        """Note a difference from the model."""
+        self.findings.append(Finding(getattr(node, "lineno", 1), text, differs=True))
+
+    def same(self, what: str, node: ast.expr | None, expected: object) -> None:
+        """Compare data of the text with those of the model, element by element; types count."""
+        got = None if node is None else data(node)
+        if repr(got) == repr(expected):
+            return
+        rows = node.elts if isinstance(node, ast.Tuple) else []
+        if rows and isinstance(expected, tuple) and len(rows) == len(expected):
+            for k, (element, of) in enumerate(zip(rows, expected, strict=True), 1):
+                self.same(f"{what} {k}", element, of)
+            return
+        self.differs(node, f"{what} is {got!r}, the model says {expected!r}")
+
+    def attribute(self, of: Class, name: str, expected: object) -> None:
+        """Compare an attribute of a class; ``None``: there is to be none."""
+        self.same(name, of.attributes.pop(name, None), expected)
+
+    def monitor(self, base: str) -> Class:
+        """Take the class ``Monitor``: its base, whose monitor it is, and its inputs."""
+        monitor = self.classes.pop("Monitor", None)
+        if monitor is None or monitor.base != f"({base},)":
+            at = None if monitor is None else monitor.node
+            raise UnprovedError(at, f"there is no Monitor of {base}")
+        self.attribute(monitor, "model_id", self.declared.model_id)
+        self.attribute(monitor, "digest", self.declared.digest)
+        names = (name for name, of in self.classes.items() if of.base == "(expression.Expression,)")
+        computed = (input_.id for input_ in self.declared.inputs if input_.expression is not None)
+        self.expressions = dict(zip(computed, names, strict=False))
+        self.attribute(monitor, "inputs", tuple(self._specs()))
+        topics = [row for input_ in self.declared.inputs for row in input_.topics.items()]
+        self.attribute(monitor, "topics", dict(topics) or None)
+        return monitor
+
+    def _specs(self) -> Iterator[Call]:
+        for input_ in self.declared.inputs:
+            computed = self.expressions.get(input_.id, "a class")
+            named = {
+                "requires": input_.requires or None,
+                "max_age": input_.max_age,
+                "factor": input_.factor,
+                "default": input_.default,
+                "every_message": input_.every_message or None,
+                "accepts": input_.accepts or None,
+                "claims": input_.claims or None,
+                "expression": None if input_.expression is None else Call(computed),
+            }
+            known = {key: value for key, value in named.items() if value is not None}
+            yield Call("InputSpec", (input_.id, input_.attribute), known)
+
+    def end(self, of: Class | None = None) -> None:
+        """Refuse what no form has taken, of a class that was taken or of the module."""
+        classes = [rest.node for rest in self.classes.values()]
+        left = [*classes, *self.functions.values(), *self.values.values()]
+        for node in left if of is None else [*of.attributes.values(), *of.methods.values()]:
+            raise UnprovedError(node)
+
+
+def unpacked(lines: Lines, value: str, number: int) -> list[str]:
+    """Take the line that takes a tuple apart; return the names, of which `_` is for nothing."""
+    names = lines.take(f"V = {value}")["V"]
+    found = [of.id for of in getattr(names, "elts", ()) if isinstance(of, ast.Name)]
+    used = [*(name for name in found if name != "_"), "self", "source", "raw", "t"]
+    if ast.unparse(names) != ast.unparse(ast.Tuple([ast.Name(name) for name in found])):
+        raise UnprovedError(names)
+    if len(found) != number or len({*used}) != len(used):
+        raise UnprovedError(names, "a name has two meanings")
+    return found
+
+
+def read_inputs(
+    lines: Lines, attributes: Sequence[tuple[str, tuple[int, int] | None]], kept: str
+) -> list[str]:
+    """Take the lines that read the inputs in order, each perhaps in another unit; return names.
+
+    ``kept`` is the form of the line that keeps what was read.
+    """
+    if not attributes:
+        return []
+    form = "try:\n    raw = V\nexcept Exception:\n    raw = self.read(source)"
+    values = lines.take(form)["V"]
+    for (name, factor), element in zip(attributes, getattr(values, "elts", ()), strict=False):
+        read = (Call(f"source.{name}"), Call("getattr", (Call("source"), name)))
+        wanted = (
+            read if factor is None else [Call("expressions.scaled", (of, *factor)) for of in read]
+        )
+        if repr(data(element)) not in map(repr, wanted):
+            raise UnprovedError(element, f"it is not the input {name}")
+    if len(getattr(values, "elts", ())) != len(attributes):
+        raise UnprovedError(values, "other inputs are read")
+    lines.take(kept)
+    return unpacked(lines, "raw", len(attributes))

@@ -1,0 +1,263 @@
+"""Whether the text of a monitor is its ConSert: gates as functions of the inputs, all else as data.
+
+AND is the least, OR the greatest of three truth values. Equal normal forms are equal functions; for
+others the minimal path and cut sets of the model decide, since the functions are monotone.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.common.graphs import in_order
+from eddi_scaffold.common.problems import plural
+from eddi_scaffold.evidence.emitted import (
+    Call,
+    Class,
+    Emitted,
+    Lines,
+    UnprovedError,
+    data,
+    matched,
+    read_inputs,
+    unpacked,
+)
+from eddi_scaffold.kinds.consert.consert import BinaryDimension, CategoricalDimension, ConSert
+from eddi_scaffold.kinds.consert.ranges import exact
+from eddi_scaffold.kinds.consert.vectors import ConSertVectors, dimension_of, in_unit
+
+if TYPE_CHECKING:
+    from eddi_scaffold.kinds.consert.options import ConSertOptions
+
+_GATES = {
+    "And": "R = A if A < B else B",
+    "And ": "if A < R:\n    R = A",
+    "Or": "R = A if A > B else B",
+    "Or ": "if A > R:\n    R = A",
+    "": "return V",
+}
+
+
+class Functions:
+    """Functions of leaves in normal form: equal numbers are equal functions."""
+
+    def __init__(self, leaves: Sequence[str]) -> None:
+        self._numbers: dict[tuple[str, tuple[int, ...]], int] = {}
+        self.constant = self.gate("Or", ()), self.gate("And", ())
+        self.leaves = {leaf: self._add(leaf, (k,)) for k, leaf in enumerate(leaves)}
+
+    def _add(self, op: str, args: tuple[int, ...]) -> int:
+        return self._numbers.setdefault((op, args), len(self._numbers))
+
+    def gate(self, op: str, args: Iterable[int]) -> int:
+        """Return the And or Or of functions: flat, sorted, without duplicates."""
+        rows, inner = [*self._numbers], set[int]()
+        for arg in args:
+            inner.update(rows[arg][1] if rows[arg][0] == op else (arg,))
+        return inner.pop() if len(inner) == 1 else self._add(op, tuple(sorted(inner)))
+
+    def value(self, function: int, given: Sequence[int]) -> int:
+        """Return the value of a function: 0, 1 or 2."""
+        values: list[int] = []
+        for op, args in self._numbers:
+            of = [values[arg] for arg in args] if op in ("And", "Or") else [given[args[0]]]
+            values.append(min(of, default=2) if op == "And" else max(of, default=0))
+        return values[function]
+
+
+def verify(consert: ConSert, options: ConSertOptions, emitted: Emitted) -> Iterator[str]:
+    """Compare a text with a ConSert; yield what is proved."""
+    return _Proof(consert, options, emitted).proved()
+
+
+class _Proof:
+    def __init__(self, consert: ConSert, options: ConSertOptions, emitted: Emitted) -> None:
+        self.consert, self.options, self.emitted = consert, options, emitted
+        nodes = {node.id: node for node in consert.leaf_nodes}
+        self.inputs = emitted.declared.inputs
+        self.dimensions = [dimension_of(nodes[input_.id]) for input_ in self.inputs]
+        self.sets = ConSertVectors(consert)
+        self.functions = functions = Functions([input_.id for input_ in self.inputs])
+        self.gates = {g.id: g.function for g in consert.gates}
+        self.of_model = dict(functions.leaves)
+        self.of_model |= {g.id: functions.constant[1] for g in consert.guarantees if g.default}
+        for id_ in in_order(consert.inputs):
+            if id_ not in self.of_model:
+                args = [self.of_model[source] for source in consert.inputs[id_]]
+                self.of_model[id_] = functions.gate(self.gates.get(id_, "And"), args)
+
+    def proved(self) -> Iterator[str]:
+        """Yield what is proved."""
+        emitted, monitor = self.emitted, self.emitted.monitor("consert.ConSert")
+        emitted.attribute(monitor, "leaves", tuple(map(self._leaf, range(len(self.inputs)))))
+        numbers = self._graph(monitor)
+        guarantees = tuple(self._guarantees(numbers))
+        emitted.attribute(monitor, "guarantees", guarantees)
+        services = [(service.id, service.members) for service in self.consert.provided_services]
+        emitted.attribute(monitor, "services", tuple(services) or None)
+        if self.options.filter:
+            name = f"filters.{self.options.filter.capitalize()}"
+            made = monitor.method("__init__", "self")
+            filter_ = made.take("super().__init__(F)")["F"] if made else None
+            emitted.same("the filter", filter_, Call(name, (self.options.filter_steps,)))
+        step = monitor.method("step", "self, source")
+        if step is not None:
+            self._step(step)
+        elif not numbers:
+            raise UnprovedError(monitor.node, "nothing says what a step does")
+        execute = monitor.method("execute_step", "self, source, t_ns=None")
+        if execute is not None:
+            self._execute(execute)
+        emitted.end(monitor)
+        names = ", ".join(guarantee.id for guarantee in self.consert.guarantees) or "no guarantee"
+        yield f"{names} for all verdicts of {plural(len(self.inputs), 'input')}"
+
+    def _leaf(self, k: int) -> Call:
+        dimension, factor = self.dimensions[k], self.inputs[k].factor
+        if isinstance(dimension, BinaryDimension):
+            return Call("consert.Binary", () if dimension.value else (False,))
+        if isinstance(dimension, CategoricalDimension):
+            return Call("consert.Categorical", dimension.covered)
+        text = " or ".join(covered.text() for covered in dimension.covered)
+        text += f" {dimension.uom}" if dimension.uom else ""
+        ranges, more = tuple(self._ranges(k)), () if factor is None else (factor,)
+        if factor is not None:
+            ends = (f"[{start:.9g}, {end:.9g}{']' if in_ else ')'}" for start, end, in_ in ranges)
+            text = f"{' or '.join(ends)}, which is {text}"
+        unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
+        needs = f"{' or '.join(covered.short for covered in dimension.covered)} {unit}".rstrip()
+        return Call("consert.Numeric", (ranges, text, needs, unit, *more))
+
+    def _ranges(self, k: int) -> Iterator[tuple[float, float, bool]]:
+        for covered in getattr(self.dimensions[k], "covered", ()):
+            start, end = (
+                in_unit(bound, self.inputs[k].factor) if exact(bound) else bound.value
+                for bound in (covered.start, covered.end)
+            )
+            start = start if covered.start_inclusive else math.nextafter(start, math.inf)
+            yield start, end, covered.inclusive
+
+    def _graph(self, monitor: Class) -> list[str]:
+        """Return what the numbers of the graph are that the runtime searches, if it has one."""
+        node = monitor.attributes.pop("graph", None)
+        if node is None:
+            return []
+        holes = matched("search.Graph(inputs, R)", node) or {"R": node}
+        rows = data(holes["R"])
+        names = [*self.functions.leaves, *(row[0] for row in rows)]
+        numbers, inputs = {name: k for k, name in enumerate(names)}, self.consert.inputs
+        if sorted(names) != sorted(inputs):
+            raise UnprovedError(node)
+        expected = []
+        for row in rows:
+            sources = tuple(numbers[source] for source in inputs[row[0]])
+            if any(source >= numbers[row[0]] for source in sources):
+                raise UnprovedError(node)
+            expected.append((row[0], self.gates.get(row[0], "And"), sources))
+        self.emitted.same("the graph", holes["R"], tuple(expected))
+        return names
+
+    def _guarantees(self, numbers: Sequence[str]) -> Iterator[Call]:
+        for guarantee in self.consert.guarantees:
+            sets, id_ = self.sets.paths[guarantee.id], guarantee.id
+            paths = sorted((tuple(sorted(one)) for one in sets or ()), key=lambda p: (len(p), p))
+            named = {
+                "node": numbers.index(id_) if numbers else None,
+                "paths": None if numbers else tuple(paths),
+                "published": self.options.published(id_),
+                "default": guarantee.default or None,
+                "ranking": guarantee.ranking,
+            }
+            named["published"] = None if named["published"] == id_ else named["published"]
+            known = {key: value for key, value in named.items() if value is not None}
+            yield Call("consert.Guarantee", (id_,), known)
+
+    def _compare(self, node: ast.AST, function: int, id_: str) -> None:
+        """Compare a function with that of the model."""
+        if function == self.of_model[id_]:
+            return
+        paths, cuts = self.sets.paths[id_], self.sets.cuts[id_]
+        if paths is None or cuts is None:
+            raise UnprovedError(node, f"{id_} has another form than in the model")
+        for sets, inside, rest in ((paths, 2, 1), (cuts, 1, 2)):
+            for leaves in sets:
+                given = [inside if leaf in leaves else rest for leaf in self.functions.leaves]
+                got = self.functions.value(function, given)
+                if (got == 2) == (inside == 2):
+                    continue
+                point = " ".join(
+                    f"{leaf}={'FUT'[of]}"
+                    for leaf, of in zip(self.functions.leaves, given, strict=True)
+                )
+                verdict = ("FALSE", "UNKNOWN", "TRUE")[
+                    self.functions.value(self.of_model[id_], given)
+                ]
+                word = "active" if got == 2 else "not active"
+                self.emitted.differs(node, f"{point}: {id_} {word}, the model says {verdict}")
+                return
+
+    def _step(self, lines: Lines) -> None:
+        kept = "self.raw, self._source = raw, source"
+        names = read_inputs(lines, [(input_.attribute, None) for input_ in self.inputs], kept)
+        for k, name in enumerate(names):
+            holes = lines.take(*self._judged(k, name))
+            if any(
+                ast.unparse(of) != letter for letter, of in holes.items()
+            ):  # a name of one letter
+                raise UnprovedError(holes[name])
+        if self.options.filter and names:
+            tuple_ = lines.take("values = V")["V"]
+            self.emitted.same("what is filtered", tuple_, tuple(map(Call, names)))
+            if unpacked(lines, "self.filter.apply(values)", len(names)) != names:
+                raise UnprovedError(tuple_)
+        values = dict(zip(names, self.functions.leaves.values(), strict=True))
+        values |= {"0": self.functions.constant[0], "2": self.functions.constant[1]}
+
+        def value(node: ast.AST) -> int:
+            if (function := values.get(ast.unparse(node))) is None:
+                raise UnprovedError(node)
+            return function
+
+        gate, holes = lines.which(_GATES)
+        while gate:
+            args = [value(holes["A"]), value(holes["B" if "B" in holes else "R"])]
+            values[ast.unparse(holes["R"])] = self.functions.gate(gate.strip(), args)
+            gate, holes = lines.which(_GATES)
+        lines.end()
+        flags = getattr(holes["V"], "elts", ())
+        if len(flags) != len(self.consert.guarantees):
+            raise UnprovedError(holes["V"], "it returns other guarantees")
+        for flag, guarantee in zip(flags, self.consert.guarantees, strict=True):
+            of = matched("A == 2", flag) or {"A": flag}
+            self._compare(flag, value(of["A"]), guarantee.id)
+
+    def _judged(self, k: int, x: str) -> tuple[str, str]:
+        """Return how an input is judged: by the runtime, and quickly for common types."""
+        dimension, unknown = self.dimensions[k], f"1 if {x} is None else self.judge({k}, {x})"
+        test, known = f"type({x}) is float or type({x}) is int", ""
+        if isinstance(dimension, BinaryDimension):
+            test, known = f"{x} is {dimension.value}", f"{x} = 2"
+            unknown = f"0 if {x} is {not dimension.value} else {unknown}"
+        elif isinstance(dimension, CategoricalDimension):
+            texts = ", ".join(map(repr, dimension.covered))
+            test, known = f"type({x}) is str", f"{x} = 2 if {x} in {{{texts}}} else 0"
+        else:
+            for start, end, closed in self._ranges(k):
+                inside = f"{start} <= {x} {'<=' if closed else '<'} {end}".replace("inf", "INF")
+                known += f"{'el' if known else ''}if {inside}:\n        {x} = 2\n    "
+            known += f"else:\n        {x} = 0 if {x} == {x} else 1"
+        return f"{x} = {unknown}", f"if {test}:\n    {known}\nelse:\n    {x} = {unknown}"
+
+    def _execute(self, lines: Lines) -> None:
+        lines.take("eddi_runtime.look_again(source, t_ns)")
+        guarantees = self.consert.guarantees
+        names = unpacked(lines, "self.step(source)", len(guarantees))
+        lines.take("self.look(t_ns)")
+        expected = [
+            {"id": self.options.published(of.id), "active": Call(name)}
+            for of, name in zip(guarantees, names, strict=True)
+        ]
+        self.emitted.same("what a step returns", lines.take("return V")["V"], expected)
+        lines.end()

@@ -1,0 +1,205 @@
+"""Whether the text of a package is the model that its source has: the text is not executed first.
+
+The model is that of its own file, never the copy in the package; the configuration is what the
+package remembers, or a file that is given.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import eddi_runtime
+from eddi_runtime.inputs import EDDIInputBase
+from eddi_runtime.testing import failures
+
+from eddi_scaffold.common.files import next_to, read_regular, read_source
+from eddi_scaffold.common.identifiers import package_name
+from eddi_scaffold.common.problems import EddiError, Place, plural, problem
+from eddi_scaffold.evidence.conditions import expressions
+from eddi_scaffold.evidence.emitted import Emitted, Finding, UnprovedError
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.answers import VECTORS
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.compiling import from_json as facts_of
+from eddi_scaffold.monitors.config_reading import read_configs
+from eddi_scaffold.packages.rendering import ANSWERS_FILE
+from eddi_scaffold.packages.upgrading import PackageGroup, newer_models, rejoined
+from eddi_scaffold.program.monitor_text import Declaration
+from eddi_scaffold.program.running import module_of
+from eddi_scaffold.regions.check import list_regions
+from eddi_scaffold.regions.markers import digest
+from eddi_scaffold.regions.package import read_file
+
+_BY_HAND = ("edited", "outside", "rejected", "broken")
+
+
+@dataclass(frozen=True)
+class Verified:
+    """What `verify` says of a package."""
+
+    package: str  # its folder
+    source: str  # file of the model
+    sha256: str  # of that file
+    proved: Sequence[str]  # what is proved; empty where anything is not
+    findings: Sequence[Finding]  # what differs, or is not proved
+    tested: str  # how many vectors there are, and what became of them
+    failed: Sequence[str]  # vectors that fail, a line each
+    by_hand: Sequence[str]  # what is written by hand, of which nothing is shown
+    trusted: Sequence[str]  # what all of it rests on
+
+    @property
+    def holds(self) -> bool:
+        """Whether all is proved, and no test fails."""
+        return not self.findings and not self.failed
+
+    def as_json(self) -> dict[str, JsonValue]:
+        """Return the JSON form of ``verify --json``."""
+        findings: list[JsonValue] = [
+            {"line": of.line, "text": of.text, "differs": of.differs} for of in self.findings
+        ]
+        lists = {name: [*of] for name, of in vars(self).items() if not isinstance(of, str)}
+        return {**vars(self), **lists, "findings": findings, "holds": self.holds}
+
+    def as_text(self) -> str:
+        """Return a few lines for people."""
+        of = f"{self.source} (sha256 {self.sha256[:8]})"
+        word = "differs from" if any(of.differs for of in self.findings) else "not proved equal to"
+        lines = [f"{self.package}: {word if self.findings else 'proved equal to'} {of}"]
+        for finding in self.findings:
+            word = "differs  " if finding.differs else "not proved:"
+            lines.append(f"  {word} compiled.py:{finding.line}: {finding.text}")
+        lines += [f"  proved   {'; '.join(self.proved)}"] if self.proved else []
+        lines += [f"  tested   {self.tested}"] if self.tested else []
+        lines += [f"           {line}" for line in self.failed]
+        lines += [f"  not      {line}" for line in self.by_hand]
+        return "\n".join([*lines, f"  trusted  {', '.join(self.trusted)}"])
+
+
+def checked(monitor: BoundMonitor, text: str) -> tuple[list[str], list[Finding]]:
+    """Compare a text with a model and its configuration: what is proved, and what is not."""
+    kind, proved = monitor.model.kind, list[str]()
+    declared = Declaration(monitor.model.name, monitor.facts.digest, monitor.bound)
+    parts = {part: f"eddi_runtime.{part}" for part in (kind, "expressions")}
+    modules = {"eddi_runtime": "eddi_runtime", **parts}
+    formats = {part: importlib.import_module(name).FORMAT for part, name in modules.items()}
+    findings: list[Finding] = []
+    try:
+        emitted = Emitted(text, kind, declared, formats)
+        findings = emitted.findings
+        proved += monitor.model.verify(emitted)
+        proved += [plural(len(monitor.bound), "input"), *expressions(emitted)]
+        emitted.end()
+    except UnprovedError as refused:
+        findings.append(Finding(refused.line, str(refused), differs=False))
+    return [] if findings else proved, findings
+
+
+def verified(
+    group: PackageGroup, folder: str, model: Path | None, configs: Sequence[Path]
+) -> Verified:
+    """Compare the text of a package with its model; run its vectors where it is proved.
+
+    Raises:
+        EddiError: the source is not found, or is another one (U005), or it cannot be used.
+    """
+    package, answers = group.root / folder, group.present[folder]
+    facts = facts_of(answers["facts"])
+    read, _ = read_configs(configs)
+    named = ((package_name(of.config.Model.id), of) for of in read)
+    own = {name: of for name, of in named if name == folder}
+    path = model or _source(package, facts.file, facts.file_sha256)
+    if read_source(path).sha256 != facts.file_sha256:
+        place = Place(str(path))
+        raise EddiError(
+            problem("U005.other_source", place, package=folder, sha256=facts.file_sha256)
+        )
+    present = {folder: answers}
+    models, _ = newer_models(replace(group, present=present), path, own)
+    monitor, _ = rejoined(present, models, own)[folder]
+    code = next(name for name in answers["files"] if name.endswith("compiled.py"))
+    file = next_to(str(package / ANSWERS_FILE), code)
+    text = read_regular(file).decode("utf-8", "replace")
+    proved, findings = checked(monitor, text)
+    tested, failed = "", list[str]()
+    if not findings:  # only what is proved is executed
+        count, failed = _tested(monitor, text, package, file.parent)
+        passed = "all passed" if not failed else f"{len(failed)} differences"
+        tested = f"{plural(count, 'vector')}, {passed}" if count or failed else ""
+    config = "its configuration" if own else f"the configuration in {ANSWERS_FILE}"
+    trusted = [f"Python {platform.python_version()}", _runtime(), f"reader of {path.name}", config]
+    kept = (folder, path.name, facts.file_sha256, proved, findings, tested, failed)
+    return Verified(*kept, [*_by_hand(package, code)], trusted)
+
+
+def _source(package: Path, name: str, sha256: str) -> Path:
+    """Return the file of a model, from here or from the folders around its package."""
+    for folder in (Path(), *package.resolve().parents):
+        path = folder / Path(name).name
+        if path.is_file() and read_source(path).sha256 == sha256:
+            return path
+    place = Place(str(package))
+    raise EddiError(problem("U005.no_source", place, package=package.name, file=name))
+
+
+def vectors_in(text: bytes | str) -> int:
+    """Return how many vectors there are in the text of a file of them."""
+    data = json.loads(text) if text else {}
+    return len(data.get("vectors", ())) + len(data.get("runs", ()))
+
+
+def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tuple[int, list[str]]:
+    """Run the vectors of a model with a text; those of its package must be the same."""
+    about = {"model": monitor.facts.file, "sha256": monitor.facts.file_sha256}
+    vectors = monitor.model.vectors(monitor.bound, about).encode()
+    if not vectors:
+        return 0, []
+    file = package / VECTORS
+    if not file.is_file() or read_regular(file) != vectors:
+        return 0, [f"{VECTORS} is not that of the model"]
+    class_ = module_of(text, monitor.model.name, lambda name: read_regular(code / name)).Monitor
+    return vectors_in(vectors), failures(str(file), class_, _input_class(class_.inputs))
+
+
+def _input_class(inputs: Sequence[Any]) -> type[Any]:
+    """Return the class that reads the messages, without what a person writes in it."""
+
+    class Input(EDDIInputBase):
+        def __init__(self) -> None:
+            for spec in inputs:
+                setattr(self, spec.attribute, spec.default)
+            super().__init__(inputs)
+
+        def processing(self, messages: Mapping[str, object]) -> None:
+            self.begin_processing()
+            for spec in inputs:
+                method = getattr(self, f"process_{spec.attribute}")
+                self.update(spec.id, method, messages, spec.requires)
+
+    return Input
+
+
+def _runtime() -> str:
+    """Return which runtime executes the text here: its version, and a digest of its files."""
+    root = Path(eddi_runtime.__path__[0])
+    text = b"".join(path.read_bytes() for path in sorted(root.rglob("*.py")))
+    return (
+        f"eddi_runtime {eddi_runtime.__version__} (sha256 {hashlib.sha256(text).hexdigest()[:8]})"
+    )
+
+
+def _by_hand(package: Path, code: str) -> Iterator[str]:
+    """Yield what people wrote in a package."""
+    for region in list_regions(package):
+        if region.state not in _BY_HAND or region.file == code:
+            continue
+        file = read_file(package, region.file) if region.id else None
+        body = file.marked.regions[region.id].body if file is not None else None
+        what = region.state if body is None else f"hand-written (sig {digest(body)})"
+        yield f"{region.id or region.file}: {what}"
