@@ -32,6 +32,7 @@ def check(
             f"configuration, for {DEFAULT}, with lifecycle for ros2."
         ),
     ] = None,
+    hazards: bool = False,
     as_json: bool = False,
 ) -> None:
     """Validate files: all problems at once, with places.
@@ -45,6 +46,7 @@ def check(
     Args:
         files: EDDI XML, model files of a kind, eddi_config.yml, deployment.yml, .rossystem, .ros;
             or folders with such files.
+        hazards: Also what is missing between the hazards of an EDDI and the guarantees.
     """
     from eddi_scaffold.connect.robot import check_robots, robot_models
     from eddi_scaffold.deployments.checking import check_files
@@ -66,7 +68,7 @@ def check(
         reported = {replace(problem, level="warning") for problem in problems}
         with robot_models(system, models) as (robot, unsure):
             problems += [problem for problem in unsure if problem not in reported]
-    problems += check_files(others, default_guarantee or (), robot, platform)
+    problems += check_files(others, default_guarantee or (), robot, platform, hazards=hazards)
     problems = in_order(until_written_near(problems, files))
     if as_json:
         console.json({"problems": [problem.as_json() for problem in problems]})

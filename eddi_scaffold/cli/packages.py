@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import csv
 import io
-from dataclasses import replace
+from collections.abc import Collection
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -223,6 +224,7 @@ def adopt(
 def trace(
     packages: Packages = None,
     workspace: WherePackagesAre = None,
+    model: Path | None = None,
     as_json: bool = False,
     as_csv: bool = False,
 ) -> None:
@@ -234,27 +236,32 @@ def trace(
 
     Args:
         as_csv: Print one table for a spreadsheet.
+        model: EDDI XML; its hazards and requirements are followed to what they rest on.
     """
     from eddi_scaffold.deployments.lifetimes import bounds
     from eddi_scaffold.deployments.support import acceptances, facts_of_package
-    from eddi_scaffold.packages.tracing import COLUMNS, trace_of
+    from eddi_scaffold.packages.tracing import COLUMNS, hazard_rows, trace_of
     from eddi_scaffold.packages.upgrading import groups
 
     if as_json and as_csv:
         raise EddiError(problem("G000.exclude", options="--json and --csv"))
-    present = [
-        package for group in groups(workspace, packages or []) for package in group.present.items()
-    ]
+    chosen = groups(workspace, packages or [])
+    present = [package for group in chosen for package in group.present.items()]
     traces = [trace_of(answers) for _, answers in present if "facts" in answers]
     facts = [facts_of_package(folder, answers) for folder, answers in present]
     wired = [wire for wire in facts if wire is not None]
     accepted, limits = acceptances(wired), bounds(wired)
+    folders = [group.root / name for group in chosen for name in group.present]
+    rows = hazard_rows(model, wired, folders) if model is not None else []
+    support = {of.claim: of for row in rows for of in row.support}.values()
     if as_json:
+        more = {"hazards": [row.as_json() for row in rows], "support": [*map(asdict, support)]}
         console.json(
             {
                 "packages": [trace.as_json() for trace in traces],
                 "accepted": [acceptance.as_json() for acceptance in accepted],
                 "bounds": [limit.as_json() for limit in limits],
+                **(more if model is not None else {}),
             }
         )
     elif as_csv:
@@ -267,6 +274,8 @@ def trace(
         console.data(table.getvalue().rstrip("\n"))
     else:
         console.data("\n\n".join(trace.as_text() for trace in traces))
-        for title, rows in (("accepted", accepted), ("silence", limits)):
-            if rows:
-                console.data("\n".join(["", f"{title}:", *(f"  {row.as_text()}" for row in rows)]))
+        parts: dict[str, Collection[Any]] = {"accepted": accepted, "silence": limits}
+        for title, lines in {**parts, "hazards": rows, "claims": support}.items():
+            if lines:
+                texts = (f"  {line.as_text()}" for line in lines)
+                console.data("\n".join(["", f"{title}:", *texts]))

@@ -68,6 +68,7 @@ class Claim:
     rests_on: frozenset[str]  # ids of the inputs without which it is not made
     hold_s: float = 0.0  # seconds for which it may outlive its inputs, by what its options accept
     polarity: str = ""  # of an event, `EVIDENCE` or `HAZARD`; empty for others
+    gates: tuple[str, ...] = ()  # of the model, between its inputs and it
 
 
 @dataclass(frozen=True)

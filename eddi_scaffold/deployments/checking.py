@@ -11,10 +11,12 @@ from eddi_scaffold.common.problems import EddiError, Problem, has_errors, proble
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.deployments.fleet_checks import check_fleet
-from eddi_scaffold.deployments.joining import join, packages_of
+from eddi_scaffold.deployments.hazards import HazardTrace
+from eddi_scaffold.deployments.joining import join, join_pairs, packages_of
 from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import members_of
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
+from eddi_scaffold.eddi_xml.hazard_analysis import HazardAnalysis
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_file
@@ -40,6 +42,8 @@ def check_files(
     default_guarantees: Sequence[str] = (),
     robot: RobotAdditions | None = None,
     platform: str | None = None,
+    *,
+    hazards: bool = False,
 ) -> list[Problem]:
     """Check every file by itself, and all that ``generate`` would make of them together.
 
@@ -49,6 +53,7 @@ def check_files(
         robot: what models of a robot add to the configurations.
         platform: where monitors are to run. By default, models with configurations are checked for
             the default platform, with ``lifecycle`` for ROS 2, others by themselves.
+        hazards: also what is missing between hazards and guarantees.
 
     Raises:
         EddiError: there is no such platform.
@@ -74,6 +79,7 @@ def check_files(
             check.read(source)
     check.without_models()
     check.together()
+    check.problems += check.of_hazards(whole=hazards)
     # that a VAR has no TIMEOUT is a question to whoever uses the model without a configuration
     return [each for each in check.problems if each.code != "W003"]
 
@@ -87,6 +93,8 @@ class _Check:
     target: Platform | None
     models: list[Model] = field(default_factory=list)
     configs: list[ConfigFile] = field(default_factory=list)
+    monitors: list[BoundMonitor] = field(default_factory=list)
+    analyses: list[HazardAnalysis] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
     is_complete: bool = True  # every file could be read
 
@@ -100,10 +108,12 @@ class _Check:
         else:
             reading = read_models(source, self.marks)
             reported = [*reading.problems, *reading.unread, *_static(reading.models)]
-            if is_xml(source) and not reading.models and not has_errors(reported):
+            self.analyses += [reading.hazards] if reading.hazards is not None else []
+            is_empty = not reading.models and reading.hazards is None
+            if is_xml(source) and is_empty and not has_errors(reported):
                 reported.append(self._requested(no_model(source)))
             self.models += reading.models
-            self.is_complete &= bool(reading.models)
+            self.is_complete &= not is_empty
         self.problems += reported
 
     def named(self, path: Path) -> ReadResult:
@@ -134,12 +144,25 @@ class _Check:
             return
         monitors, problems = join(models, configs, self.named, self.marks)
         problems += packages_of(monitors, platform, None)[1]
+        self.monitors = monitors
         joined = {m.config.place("Model") for m in monitors if m.config}
         if joined >= {config.place("Model") for config in configs}:
             problems += absent_publishers(Deployment(members_of(monitors)))
         problems += [*_by_hand(monitors), *_unbound(models, monitors)]
         lacking = () if self.is_complete else _OF_WHAT_LACKS
         self.problems += [each for each in problems if each.code not in lacking]
+
+    def of_hazards(self, *, whole: bool) -> Iterable[Problem]:
+        """Report what links hazards with guarantees: how many are not linked, or all (J...)."""
+        monitors = self.monitors
+        if whole and not self.configs:  # of the EDDI alone; what they lack is no matter here
+            monitors = join_pairs([(model, None) for model in self.models])[0]
+        alone = [monitor for monitor in monitors if monitor.config is None]
+        for analysis in self.analyses:
+            if whole and not has_errors(self.problems):  # else links would seem to be missing
+                yield from HazardTrace(analysis, members_of(monitors), alone).check()
+            elif unlinked := analysis.unlinked():
+                yield problem("J001.count", unlinked[0].place, number=len(unlinked))
 
 
 def _static(models: Iterable[Model]) -> list[Problem]:

@@ -179,13 +179,14 @@ def check_rings(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
         )
 
 
-def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ...]]:
-    """Return for each claim the claims of other monitors that it rests on."""
+def claims_read(
+    participants: Sequence[WiredMonitor],
+) -> Iterator[tuple[WiredMonitor, Mapping[str, Sequence[str]]]]:
+    """Yield each monitor with its inputs, and the claims of other monitors that each one reads."""
     by_topic: dict[str, list[PublishedTopic]] = {}
     for participant in participants:
         for topic, item in participant.published:
             by_topic.setdefault(topic, []).append(item)
-    graph: dict[str, tuple[str, ...]] = {}
     for participant in participants:
         below = {
             name: [
@@ -197,6 +198,13 @@ def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ..
             ]
             for name, reads in participant.topics_read.items()
         }
+        yield participant, below
+
+
+def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ...]]:
+    """Return for each claim the claims of other monitors that it rests on."""
+    graph: dict[str, tuple[str, ...]] = {}
+    for participant, below in claims_read(participants):
         for claim in participant.facts.claims:
             rests = [claims for name, claims in below.items() if name in claim.rests_on]
             graph[participant.claim(claim.id)] = tuple(dict.fromkeys(c for of in rests for c in of))

@@ -20,8 +20,9 @@ from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.eddi_xml.vocabulary import VALUES, fold
 
 EVENTS, SAFEML, MONITORED_BY = "eddi.events", "eddi.safeml", "eddi.monitored_by"
+MITIGATED_BY = "eddi.mitigated_by"
 AFTER, PRIORITY = "eddi.after", "eddi.priority"  # of a transition; each has one value
-KEYS = (EVENTS, SAFEML, MONITORED_BY, AFTER, PRIORITY)
+KEYS = (EVENTS, SAFEML, MONITORED_BY, MITIGATED_BY, AFTER, PRIORITY)
 MODEL = "model"
 _QUERY = 'descendant-or-self::*[local-name()="keyValueMaps"][starts-with(@key, "eddi.")]'
 _MOST_VALUES = 1000
@@ -107,7 +108,7 @@ def unknown_tags(
 
 
 _TAGS = ("event", "safeml", "reliability", "network", "subject")
-_TAG_OF_KIND = {
+TAG_OF_KIND = {
     "fault_tree": "reliability",
     "markov_chain": "reliability",
     "bayesian_network": "network",
@@ -141,11 +142,11 @@ class Observed:
             elif extension_map.model is not None:
                 self._read_events(extension_map, extension_map.model)
         maps = list(extension_maps(document, MONITORED_BY))
-        if any(value.tag in _TAG_OF_KIND.values() for map_ in maps for value in map_.values):
+        if any(value.tag in TAG_OF_KIND.values() for map_ in maps for value in map_.values):
             for element in document.document.iter():
                 kind = document.kind_of(element)
-                if kind in _TAG_OF_KIND:
-                    models = self._models[_TAG_OF_KIND[kind]]
+                if kind in TAG_OF_KIND:
+                    models = self._models[TAG_OF_KIND[kind]]
                     models[element.get("name") or ""] = document.references.path(element)
         for extension_map in maps:
             self._read_map(extension_map)

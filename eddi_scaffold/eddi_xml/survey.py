@@ -164,7 +164,7 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
     known = set(packages)
     inside: set[Element] = set()
     for package in packages:
-        class_name = document.class_of(package).name
+        class_name = fold(local_name(document.class_or_feature(package)))
         if document.is_monitored(package):
             continue  # a model by itself is read completely
         if package.getparent() in inside:

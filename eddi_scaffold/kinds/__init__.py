@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.diagrams import Diagram
     from eddi_scaffold.eddi_xml.document import EddiDocument
+    from eddi_scaffold.eddi_xml.hazard_analysis import HazardAnalysis
     from eddi_scaffold.eddi_xml.links import Links
     from eddi_scaffold.evidence.emitted import Emitted
     from eddi_scaffold.program.input_expressions import BoundInput
@@ -99,6 +100,7 @@ class ReadResult:
     models: tuple[Model, ...]
     problems: tuple[Problem, ...]
     unread: tuple[Problem, ...] = ()  # what else is in the file, of which no monitor is made
+    hazards: HazardAnalysis | None = None  # of an EDDI
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from eddi_scaffold.eddi_xml import survey
 from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.extensions import Observed, check_maps
+from eddi_scaffold.eddi_xml.hazard_analysis import hazard_analysis
 from eddi_scaffold.eddi_xml.links import links_in, links_of
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.kinds import Kind, Model, Options, ReadResult, kinds
@@ -139,7 +140,7 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
         return ReadResult((), (stranger,))
     not_read = [element.problem() for element in survey.unread(document)]
     not_read += (*survey.event_monitors(document), *survey.unused_design(document))
-    return ReadResult(tuple(models), tuple(problems), tuple(not_read))
+    return ReadResult(tuple(models), tuple(problems), tuple(not_read), hazard_analysis(document))
 
 
 def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> ReadResult:

@@ -9,14 +9,20 @@ from __future__ import annotations
 from ast import literal_eval
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.claims import Element
+from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.deployments.hazards import HazardRow, HazardTrace, Verification
+from eddi_scaffold.deployments.support import WiredMonitor
 from eddi_scaffold.eddi_xml.links import Link
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.compiling import MonitorFacts
 from eddi_scaffold.monitors.compiling import from_json as facts_of
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.packages.handwritten import looked_at
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
@@ -114,6 +120,26 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
     except (AttributeError, KeyError, SyntaxError, TypeError, ValueError) as damage:
         place = Place(f"{answers.get('package')}/{ANSWERS_FILE}")
         raise EddiError(problem("T005.damaged", place, answer=damage)) from None
+
+
+def hazard_rows(
+    eddi: Path, monitors: Sequence[WiredMonitor], packages: Iterable[Path]
+) -> list[HazardRow]:
+    """Return the rows of an EDDI for packages, in which files may have been edited.
+
+    Raises:
+        EddiError: the file cannot be read, or has neither hazards nor requirements (F004).
+    """
+    source = read_source(eddi)
+    reading = read_models(source)
+    if reading.hazards is None:
+        raise EddiError(*reading.problems, problem("F004.no_hazards", Place(source.name)))
+    edited = {
+        package.name: sorted({of.file for of in looked_at(package) if of.state == "outside"})
+        for package in packages
+    }
+    verified = {name: Verification(differs=tuple(files)) for name, files in edited.items()}
+    return [*HazardTrace(reading.hazards, monitors, verified=verified).rows.values()]
 
 
 def _trace_of(answers: Mapping[str, Any]) -> Trace:

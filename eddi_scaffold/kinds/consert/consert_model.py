@@ -21,6 +21,7 @@ from eddi_scaffold.kinds.consert import read_eddi
 from eddi_scaffold.kinds.consert.checks import check_consert, static_checks
 from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.compose import why_not_fulfilled
+from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.kinds.consert.options import (
     ConSertOptions,
@@ -167,17 +168,16 @@ class ConSertModel(Model):
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return each guarantee, by its id in messages, with the leaves that it rests on."""
-        sources, leaves = self.data.inputs, frozenset(self.data.leaves)
-        return [
-            Claim(
-                self.options.published(guarantee.id),
-                frozenset()
-                if guarantee.default
-                else frozenset(reached(sources, [guarantee.id]) & leaves),
-                self.options.hold_s(frequency),
-            )
-            for guarantee in self.data.guarantees
-        ]
+        fixed, hold_s = constants(self.data), self.options.hold_s(frequency)
+        claims = []
+        for guarantee in self.data.guarantees:
+            is_fixed = fixed[guarantee.id] is not None
+            below = set() if is_fixed else reached(self.data.inputs, [guarantee.id])
+            leaves = frozenset(leaf for leaf in self.data.leaves if leaf in below)
+            gates = tuple(gate.id for gate in self.data.gates if gate.id in below)
+            id_ = self.options.published(guarantee.id)
+            claims.append(Claim(id_, leaves, hold_s, gates=gates))
+        return claims
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return what a filter by majority accepts: the majority of old steps."""
