@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import cache
+from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 if TYPE_CHECKING:
@@ -116,14 +117,20 @@ class Lines:
     def __init__(self, function: ast.FunctionDef) -> None:
         self.rest, self._end = deque(function.body), function
 
+    def find(self, form: str) -> Holes | None:
+        """Take the next statements if they have a form."""
+        holes: Holes = {}
+        size = len(_parsed(form))
+        if not _unify(_parsed(form), [*islice(self.rest, size)], holes):
+            return None
+        for _ in range(size):
+            self.rest.popleft()
+        return holes
+
     def which(self, forms: Mapping[Key, str]) -> tuple[Key, Holes]:
         """Take the next statements, and return which of some forms they have."""
         for key, form in forms.items():
-            holes: Holes = {}
-            size = len(_parsed(form))
-            if _unify(_parsed(form), [*self.rest][:size], holes):
-                for _ in range(size):
-                    self.rest.popleft()
+            if (holes := self.find(form)) is not None:
                 return key, holes
         raise UnprovedError(self.rest[0] if self.rest else self._end)
 
@@ -153,12 +160,12 @@ class Class:
                 case _:
                     raise UnprovedError(of)
 
-    def method(self, name: str, arguments: str) -> Lines | None:
-        """Take a method with these arguments; ``None`` where there is none."""
+    def method(self, name: str, arguments: str) -> Lines:
+        """Take a method with these arguments."""
         function = self.methods.pop(name, None)
-        if function is not None and ast.unparse(function.args) != arguments:
-            raise UnprovedError(function)
-        return None if function is None else Lines(function)
+        if function is None or ast.unparse(function.args) != arguments:
+            raise UnprovedError(function or self.node, f"there is no {name}({arguments})")
+        return Lines(function)
 
 
 class Emitted:

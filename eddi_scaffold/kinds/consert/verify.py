@@ -100,16 +100,13 @@ class _Proof:
         if self.options.filter:
             name = f"filters.{self.options.filter.capitalize()}"
             made = monitor.method("__init__", "self")
-            filter_ = made.take("super().__init__(F)")["F"] if made else None
+            filter_ = made.take("super().__init__(F)")["F"]
             emitted.same("the filter", filter_, Call(name, (self.options.filter_steps,)))
-        step = monitor.method("step", "self, source")
-        if step is not None:
-            self._step(step)
-        elif not numbers:
-            raise UnprovedError(monitor.node, "nothing says what a step does")
-        execute = monitor.method("execute_step", "self, source, t_ns=None")
-        if execute is not None:
-            self._execute(execute)
+            made.end()
+        if "step" in monitor.methods or not numbers:
+            self._step(monitor.method("step", "self, source"))
+        if "execute_step" in monitor.methods:
+            self._execute(monitor.method("execute_step", "self, source, t_ns=None"))
         emitted.end(monitor)
         names = ", ".join(guarantee.id for guarantee in self.consert.guarantees) or "no guarantee"
         yield f"{names} for all verdicts of {plural(len(self.inputs), 'input')}"

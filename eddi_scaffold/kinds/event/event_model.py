@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
@@ -14,6 +14,7 @@ from eddi_scaffold.conditions.standalone import cost_line
 from eddi_scaffold.conditions.tokens import line_and_column
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts
 from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.event.events import (
     DEFAULT_RATE,
@@ -27,6 +28,7 @@ from eddi_scaffold.kinds.event.events import (
     read_text,
     uses_of,
 )
+from eddi_scaffold.kinds.event.verify import verify
 from eddi_scaffold.program import instructions
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.condition_step import ConditionStep
@@ -199,6 +201,13 @@ class EventModel(Model):
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         units = {input_.id: input_.unit for input_ in self.inputs() if input_.unit}
         return compile_events(self.program, declaration, units)
+
+    def verify(self, emitted: Emitted) -> Iterator[str]:
+        program = self.program
+        silences = {of.id: accepted(program, of.operation) for of in program.results}
+        words = {id_: list(dict.fromkeys(of.word for of in rows)) for id_, rows in silences.items()}
+        units = {input_.id: input_.unit for input_ in self.inputs() if input_.unit}
+        return verify(program, units, words, emitted)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the events, each with the variables that it rests on."""
