@@ -48,7 +48,7 @@ def age_row(
 
 
 def vectors_file(
-    about: Mapping[str, str],
+    about: Mapping[str, Any],
     inputs: Sequence[BoundInput],
     lists: Mapping[str, Sequence[object]],
     *,
@@ -58,17 +58,19 @@ def vectors_file(
     """Return the content of the file.
 
     Args:
-        about: the file of the model and its digest.
+        about: the file of the model, its digest, and rows of inputs that an expression computes.
         inputs: of the monitor.
         lists: ``runs``, ``ages``, and what the kind has of its own.
         complete: whether nothing that decides is left out.
         steps: how many a verdict needs.
     """
     topics = {name: topic for input_ in inputs for name, topic in input_.topics.items()}
-    head = {"format": 1, **about, "complete": complete, "topics": topics, "steps": steps}
+    head = {"format": 1, **about, "complete": complete and about.get("complete", True)}
+    computed = {key: head.pop(key) for key in ("expressions",) if key in head}
+    head |= {"topics": topics, "steps": steps}
     lines = [f'"{key}": {text(value)}' for key, value in head.items()]
     table = [[*_input_row(input_)] for input_ in inputs]
-    rows: dict[str, Sequence[object]] = {"inputs": table, "runs": (), "ages": (), **lists}
+    rows = {"inputs": table, **computed, "runs": (), "ages": (), **lists}
     for key, items in rows.items():
         lines.append(f'"{key}": [{",".join(f"{chr(10)}  {text(item)}" for item in items)}]')
     return "{" + ",\n".join(lines) + "}\n"

@@ -23,6 +23,7 @@ from eddi_scaffold.common.escaping import (
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.schema import Config
+from eddi_scaffold.evidence.expressions import expression_rows
 from eddi_scaffold.kinds import EditableMethod, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
@@ -58,6 +59,7 @@ def files_of(monitor: BoundMonitor, code: str = "", text: str = "") -> dict[str,
     compiled = f"# fmt: off\n{monitor.compiled.text}\n".encode()
     tables = {f"{code}{name}": of for name, of in monitor.compiled.tables.items()}
     about = {"model": monitor.facts.file, "sha256": monitor.facts.file_sha256}
+    about |= expression_rows(monitor.bound)
     vectors = monitor.model.vectors(monitor.bound, about)
     tests = {VECTORS: vectors.encode()} if vectors else {}
     return files | {f"{code}compiled.py": compiled} | tables | tests

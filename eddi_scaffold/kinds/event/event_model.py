@@ -28,6 +28,7 @@ from eddi_scaffold.kinds.event.events import (
     read_text,
     uses_of,
 )
+from eddi_scaffold.kinds.event.vectors import event_vectors
 from eddi_scaffold.kinds.event.verify import verify
 from eddi_scaffold.program import instructions
 from eddi_scaffold.program import python_text as py
@@ -46,9 +47,7 @@ def compile_events(
     step = ConditionStep(program, declaration.inputs, units)
     events = []
     for result, inputs in zip(program.results, step.needs(), strict=True):
-        words = tuple(
-            dict.fromkeys(silence.word for silence in accepted(program, result.operation))
-        )
+        words = _words(program, result.operation)
         more = {"accepts": py.literal(words)} if words else {}
         row = [py.text_literal(result.id), str(result.hazard), py.literal(inputs)]
         events.append(py.call("event.Event", row, **more))
@@ -59,6 +58,11 @@ def compile_events(
         *step.reductions(),
     ]
     return CompiledMonitor(FORMAT, [*lines, *step.methods()])
+
+
+def _words(program: Program, root: int) -> tuple[str, ...]:
+    """Return the words by which a condition accepts silence."""
+    return tuple(dict.fromkeys(silence.word for silence in accepted(program, root)))
 
 
 _VERDICT = Meaning(
@@ -199,15 +203,20 @@ class EventModel(Model):
         return [*lines, "", f"{self.data.rate:g} steps a second; {cost_line(self.program)}."]
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
-        units = {input_.id: input_.unit for input_ in self.inputs() if input_.unit}
-        return compile_events(self.program, declaration, units)
+        return compile_events(self.program, declaration, self._units())
+
+    def _units(self) -> dict[str, str]:
+        return {input_.id: input_.unit for input_ in self.inputs() if input_.unit}
+
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        accepts = [_words(self.program, result.operation) for result in self.program.results]
+        return event_vectors(self.program, accepts, self._units(), inputs, about)
 
     def verify(self, emitted: Emitted) -> Iterator[str]:
         program = self.program
         silences = {of.id: accepted(program, of.operation) for of in program.results}
         words = {id_: list(dict.fromkeys(of.word for of in rows)) for id_, rows in silences.items()}
-        units = {input_.id: input_.unit for input_ in self.inputs() if input_.unit}
-        return verify(program, units, words, emitted)
+        return verify(program, self._units(), words, emitted)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the events, each with the variables that it rests on."""

@@ -10,6 +10,7 @@ from typing import Any, Callable, Dict, Iterator
 
 _WORDS = {"T": "TRUE", "U": "UNKNOWN", "F": "FALSE"}
 _NO_JSON = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf, "object": object()}
+_ABSENT = _NO_JSON["absent"] = object()
 _PRECISION = 1e-9  # relative, of the numbers of a result
 
 Values = Dict[str, Any]  # by input id, as in JSON
@@ -33,15 +34,29 @@ class _Vectors:
     def failures(self) -> Iterator[str]:
         yield from self.tables(self.monitor())
         for name, steps in self.data["runs"]:
-            monitor = self.monitor()
-            values: Values = dict.fromkeys(self.attributes)
-            expected: dict[str, Any] = {}
-            for number, (t_ns, changes, results) in enumerate(steps, 1):
-                values.update(changes)
-                expected.update(results)
-                output = monitor.execute_step(self.source(values), t_ns)
-                yield from _results(f"{name}, step {number}", expected, monitor, output)
+            monitor, other = self.monitor(), self.monitor()
+            yield from self.run(name, steps, monitor, other)
+        if self.data["runs"]:
+            other.reset()
+            yield from self.run(f"{name}, after reset()", steps, other, monitor)
         yield from self.messages()
+        yield from self.expressions()
+
+    def run(self, name: str, steps: Any, monitor: Any, other: Any) -> Iterator[str]:
+        """Compare the results of steps; another monitor beside it shares nothing."""
+        values: Values = dict.fromkeys(self.attributes)
+        expected: dict[str, Any] = {}
+        ages: dict[str, int] = {}  # in nanoseconds
+        for number, (t_ns, changes, results, *late) in enumerate(_each(steps), 1):
+            values.update(changes)
+            expected.update(results)
+            ages.update(*late)
+            source = self.source(values)
+            if ages:
+                source.states = {k: SimpleNamespace(age=ns / 1e9) for k, ns in ages.items()}
+            other.execute_step(SimpleNamespace(), t_ns)
+            output = monitor.execute_step(source, t_ns)
+            yield from _results(f"{name}, step {number}", expected, _shown(monitor, output))
 
     def tables(self, monitor: Any) -> Iterator[str]:
         """Compare what is no function of the inputs."""
@@ -49,13 +64,12 @@ class _Vectors:
             got = spec and [*spec[:7], spec.expression is not None, spec.accepts, spec.claims]
             yield from _compared(f"input {row and row[0]}", row, got)
         yield from _compared("topics", self.data["topics"], getattr(monitor, "topics", {}))
+        for name, rows in self.data.get("tables", ()):
+            yield from _compared(name, rows, getattr(monitor, name))
 
     def source(self, values: Values) -> SimpleNamespace:
-        named = {}
-        for id_, value in values.items():
-            special = value["is"] if isinstance(value, dict) else None
-            if special != "absent":
-                named[self.attributes[id_]] = value if special is None else _NO_JSON[special]
+        named = {self.attributes[id_]: _value(value) for id_, value in values.items()}
+        named = {name: value for name, value in named.items() if value is not _ABSENT}
         return SimpleNamespace(**named)
 
     def messages(self) -> Iterator[str]:
@@ -63,12 +77,7 @@ class _Vectors:
         rows = [row for row in self.data["inputs"] if not row[7]]  # without an expression
         sources = {name: object() for row in self.data["inputs"] for name in row[2]}
         values: Values = {}
-        methods: dict[str, Any] = {"setup": lambda _: None, "processed": lambda *_: None}
-        for id_, attribute in self.attributes.items():
-            methods[f"process_{attribute}"] = lambda own, *_, id_=id_: setattr(
-                own, self.attributes[id_], values[id_]
-            )
-        replaced = type("Replaced", (self.eddi_input,), methods)
+        replaced = self.replaced(values)
         made = replaced()
         values.update(dict.fromkeys(self.attributes, "given"))
         for messages, when in (({}, "before a message"), (sources, ""), ({}, "after the last")):
@@ -87,7 +96,40 @@ class _Vectors:
                 made.processing(sources)
                 monitor = self.monitor()
                 outputs = [monitor.execute_step(made, 0) for _ in range(self.data["steps"])]
-                yield from _results(f"{id_} at the age {age}", results, monitor, outputs[-1])
+                yield from _results(
+                    f"{id_} at the age {age}", results, _shown(monitor, outputs[-1])
+                )
+
+    def replaced(self, values: Values, computed: str = "") -> type[Any]:
+        """Return an ``EDDIInput`` with these values, but for the input that is computed."""
+
+        def process(own: Any, id_: str) -> None:
+            value = own.expression(id_) if id_ == computed else values[id_]
+            setattr(own, self.attributes[id_], value)
+
+        methods: dict[str, Any] = {"setup": lambda _: None, "processed": lambda *_: None}
+        for id_, attribute in self.attributes.items():
+            methods[f"process_{attribute}"] = lambda own, *_, id_=id_: process(own, id_)
+        return type("Replaced", (self.eddi_input,), methods)
+
+    def expressions(self) -> Iterator[str]:
+        """Compare what expressions give for messages of their own."""
+        for id_, runs in self.data.get("expressions", ()):
+            for name, steps in runs:
+                messages = {of: object() for row in self.data["inputs"] for of in row[2]}
+                values: Values = dict.fromkeys(self.attributes)
+                made = self.replaced(values, id_)()
+                expected: Values = {}
+                ages: dict[str, int] = {}  # in nanoseconds
+                for number, (t_ns, changes, results, *late) in enumerate(_each(steps), 1):
+                    for of, said in changes.items():
+                        (values if of in values else messages)[of] = _value(said)
+                    expected.update(results)
+                    ages.update(*late)
+                    made.begin_step({of: ns / 1e9 for of, ns in ages.items()}, t_ns=t_ns)
+                    made.processing(messages)
+                    got = {"value": getattr(made, self.attributes[id_])}
+                    yield from _results(f"{id_}: {name}, step {number}", expected, got)
 
     def given(self, values: Any) -> Values:
         return {**dict.fromkeys(self.attributes), **values}
@@ -151,15 +193,43 @@ class _ConSertVectors(_Vectors):
         yield from _compared(f"{name}: inputs", words, monitor.input_verdicts())
 
 
+def _each(rows: Any) -> Iterator[Any]:
+    """Yield steps; ``[until, period]`` are steps in which nothing changes."""
+    t = 0
+    for row in rows:
+        if len(row) == 2:
+            yield from ((k, {}, {}) for k in range(t + row[1], row[0] + 1, row[1]))
+        else:
+            yield row
+        t = row[0]
+
+
+def _value(said: Any) -> Any:
+    """Return what JSON says, also what it cannot say; a dict is a message."""
+    if isinstance(said, list):
+        return [_value(each) for each in said]
+    if not isinstance(said, dict):
+        return said
+    if "is" in said:
+        return _NO_JSON[said["is"]]
+    return SimpleNamespace(**{name: _value(each) for name, each in said.items()})
+
+
 def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
-    plain = json.loads(json.dumps(got, default=repr))
+    plain = json.loads(json.dumps(got, default=repr), parse_constant=str)
     if json.dumps(plain, sort_keys=True) != json.dumps(expected, sort_keys=True):
         yield f"{name}: expected {expected}, got {plain}"
 
 
-def _results(name: str, expected: Any, monitor: Any, output: Any) -> Iterator[str]:
+def _shown(monitor: Any, output: Any) -> Values:
+    shown = {**monitor.series(output)}
+    if isinstance(output, list):
+        shown.update((f"{row['id']} is active", row["active"]) for row in output)
+    return shown
+
+
+def _results(name: str, expected: Values, got: Values) -> Iterator[str]:
     """Compare named results, numbers with a precision."""
-    got = monitor.series(output)
     for result, value in expected.items():
         other = got.get(result, "absent")
         is_number = type(value) is type(other) is float
