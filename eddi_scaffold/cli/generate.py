@@ -189,7 +189,6 @@ def answers(
     """
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import assemble, monitors_of, only
-    from eddi_scaffold.packages.handwritten import lost_sources
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.platforms import choices, chosen
@@ -223,15 +222,6 @@ def answers(
     for package, file in zip(packages, names, strict=True):
         path, folder = quote(str(place / file)), quote((root / package.folder).as_posix())
         console.say(f"{command} --data-file {path} {quote(template.location)} {folder}")
-    lost: list[str] = []
-    for package in packages:
-        before = assembly.present.get(package.folder, {})
-        lines = lost_sources(root / package.folder, before, package.answers)
-        lost += [f"{package.folder}: {line}" for line in lines]
-    for line in lost:
-        console.say(f"note: {line}")
-    if lost:
-        raise typer.Exit(ExitStatus.LOOK)
 
 
 def destination(platform: Platform, workspace: Path | None, output: Path | None) -> Path:

@@ -101,7 +101,7 @@ class _Check:
     def read(self, source: Source) -> None:
         """Read a file, with all that is wrong with it by itself."""
         if is_config(source):
-            configs, reported = read_file(source, self.robot, partly=True)
+            configs, reported = read_file(source, self.robot)
             self.configs += configs
             reported += older_spellings(read_maps(source, "K001")[0])
             self.is_complete &= not has_errors(reported)

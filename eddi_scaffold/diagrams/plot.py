@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from operator import itemgetter
@@ -101,11 +101,7 @@ _LEGEND = {
     False: "known not to hold, false",
     None: "unknown, which counts as not",
 }
-_DECADES, _LEAST = 1e3, 1e-15
-"""How far probabilities span before their axis is logarithmic, and the least of the highest."""
 _LEAST_SHOWN = 10  # characters of a reason below a bar
-_MAX_COLUMNS = 2000
-"""Steps of a line that are drawn; of more, the lowest and highest of each column are kept."""
 
 
 def plot(title: str, tracks: Sequence[Track]) -> str:
@@ -152,30 +148,21 @@ def _bands(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
 def _line(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
     known = [v for v in track.values if isinstance(v, int | float) and math.isfinite(v)]
     low, high = (min(known), max(known)) if known else (0.0, 1.0)
-    least = min((v for v in known if v > 0), default=high)
-    decades = low >= 0 and high <= 1 and 0 < least * _DECADES <= high
-    if decades:
-        low = max(least, high * _LEAST)  # 0 is at the foot as well
-    scale: Callable[[float], float] = math.log10 if decades else float
-    difference = scale(high) - scale(low) or 1.0
+    difference = high - low or 1.0
     right = _WIDTH - _RIGHT
 
     def level(value: float) -> float:
-        share = (scale(min(max(value, low), high)) - scale(low)) / difference
+        share = (min(max(value, low), high) - low) / difference
         return y + height - 4 - share * (height - 8)
 
     frame = f'x="{_LEFT}" y="{y}" width="{right - _LEFT}" height="{height}"'
     yield f'<rect {frame} fill="none" stroke="#e4e7eb"/>'
     yield _text(right + 6, y + 12, f"{high:.4g}", "small")
     yield _text(right + 6, y + height - 2, f"{low:.4g}", "small")
-    if decades:
-        yield _text(right + 6, y + height // 2 + 4, "log", "small")
-        for power in range(math.ceil(scale(low)), math.floor(scale(high)) + 1):
-            yield _rule(_LEFT, level(10.0**power), right, level(10.0**power))
     path, move = "", "M"
-    for begin, until, value in _thinned(stretches(track, span[1]), span):
+    for begin, until, value, _ in stretches(track, span[1]):
         left, end = _n(_x(begin, span)), _n(_x(until, span))
-        if value is None:
+        if value is None or isinstance(value, str):
             place = f'x="{left}" y="{y}" width="{_n(float(end) - float(left))}" height="{height}"'
             yield f'<rect {place} fill="url(#unknown)" opacity="0.6"><title>unknown</title></rect>'
             move = "M"
@@ -184,28 +171,6 @@ def _line(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
             move = "L"
     if path:
         yield f'<path class="line" d="{path}"/>'
-
-
-def _thinned(
-    parts: Sequence[tuple[float, float, object, str]], span: Span
-) -> list[tuple[float, float, float | None]]:
-    """Keep at most the lowest and the highest value of each column, and every unknown one."""
-    values = [(a, b, v if isinstance(v, int | float) else None) for a, b, v, *_ in parts]
-    if len(values) <= _MAX_COLUMNS:
-        return values
-    start, end = span
-    columns: dict[int, list[tuple[float, float, float | None]]] = {}
-    for part in values:
-        number = int((part[0] - start) / (end - start) * _MAX_COLUMNS / 2)
-        columns.setdefault(number, []).append(part)
-    kept: list[tuple[float, float, float | None]] = []
-    for column in columns.values():
-        unknown = [part for part in column if part[2] is None]
-        known = sorted((p for p in column if p[2] is not None), key=lambda p: (p[2] or 0.0, p[0]))
-        chosen = {id(p): p for p in (*unknown[:1], *known[:1], *known[-1:])}
-        kept += sorted(chosen.values(), key=lambda part: part[0])
-    ends = [*(part[0] for part in kept[1:]), end]
-    return [(a, until, v) for (a, _, v), until in zip(kept, ends, strict=True)]
 
 
 def _grid(span: Span, bottom: int) -> Iterable[str]:

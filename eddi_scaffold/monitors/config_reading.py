@@ -5,7 +5,6 @@ Values follow YAML 1.1, as D7.2's tools and roslaunch do.
 
 from __future__ import annotations
 
-import copy
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -75,14 +74,11 @@ def read_file(
     source: Source,
     robot: RobotAdditions | None = None,
     override: Map | None = None,
-    *,
-    partly: bool = False,
 ) -> tuple[list[ConfigFile], list[Problem]]:
     """Read the configurations of a file, of each monitor a document; without those with errors.
 
     Topics and message types of a robot are used in addition to the file, and values of ``override``
-    in place of its own. With ``partly``, those with unknown keys are returned without them, to look
-    for what else is wrong.
+    in place of its own.
     """
     if looks_like_xml(source.data):
         return [], [problem("K001.xml", Place(source.name))]
@@ -97,7 +93,7 @@ def read_file(
     ids = [text_of(document.get("Model"), "id") or "" for document in documents]
     for document, id_ in zip(documents, ids, strict=True):
         monitors = {other for other in ids if other != id_}
-        config, reported = _read(document, source, robot, monitors, partly=partly)
+        config, reported = _read(document, source, robot, monitors)
         configs += [config] if config is not None and not has_errors(problems) else []
         problems += reported
     return configs, in_order(problems)
@@ -108,8 +104,6 @@ def _read(
     source: Source,
     robot: RobotAdditions | None,
     monitors: Collection[str],
-    *,
-    partly: bool,
 ) -> tuple[ConfigFile | None, list[Problem]]:
     places: Places = {}
     data = plain_values(document, places)
@@ -119,24 +113,19 @@ def _read(
         data["SimulatorOutputs"] = robot.outputs(data.get("SimulatorOutputs") or [])
     open_values = list(undecided(document))
     problems = [*_unknown_options(data.get("Model"), places, source.name), *open_values]
-    wrong: list[Problem] = []
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
         reported = {problem.place for problem in open_values}
         broken = violations(failed, places, source.name, Config)
-        wrong = [violation for violation in broken if violation.place not in reported]
-        known = _of_known_keys(data, failed) if partly else None
-        if known is None:
-            return None, [*problems, *wrong]
-        config = known
+        return None, [*problems, *(fault for fault in broken if fault.place not in reported)]
     text = source.data.decode("utf-8-sig", "replace")
     file = ConfigFile(source.name, places, config, text=text)
     file = with_types(file, robot.types if robot is not None else {})
     files, unread = _event_files(file)
     file = replace(file, event_files=files)
     problems += [*unread, *_repeated_ids(file), *_unknown_sources(file, monitors)]
-    return (None if has_errors(problems) else file), [*problems, *wrong]
+    return (None if has_errors(problems) else file), problems
 
 
 def read_configs(
@@ -173,26 +162,6 @@ def _unknown_options(section: object, places: Places, file: str) -> Iterator[Pro
         if key in MODEL_KEYS and isinstance(section[key], str):
             hint = f"write `model: {section[key]}`"
         yield problem("K003.unknown_key", place, hint=hint, key=key)
-
-
-def _of_known_keys(data: dict[str, Any], failed: ValidationError) -> Config | None:
-    """Return a configuration without its unknown keys, ``None`` where more is wrong with it.
-
-    A section of another name is more: all that it says would be missing.
-    """
-    errors = failed.errors()
-    if any(error["type"] != "extra_forbidden" or len(error["loc"]) == 1 for error in errors):
-        return None
-    known = copy.deepcopy(data)
-    for *path, key in (error["loc"] for error in errors):
-        section: Any = known
-        for part in path:
-            section = section[part]
-        del section[key]
-    try:
-        return Config.model_validate(known)
-    except ValidationError:
-        return None
 
 
 def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:

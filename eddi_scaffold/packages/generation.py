@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.packages.handwritten import ADOPT, is_of_d72, lost_sources, write_plans
+from eddi_scaffold.packages.handwritten import ADOPT, is_of_d72, write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.unpacking import Unpacked, scratch_folder, unpacked
@@ -117,9 +117,7 @@ def write_packages(
             rendered = Path(scratch, str(number))
             plan, warnings = _planned(renderer, package, rendered, target, renames)
             plans[folder] = plan
-            lost = lost_sources(target, read_answers(target) or {}, package.answers)
             notes += [(warning, False) for warning in warnings]
-            notes += [(f"{folder}: {line}", True) for line in lost]
             notes += [
                 (f"{folder}/{note.place}: {note.text}", note.attention) for note in plan.notes
             ]
@@ -135,7 +133,11 @@ def write_packages(
             _write(plans, renames, root)
             for path, data in ignoring.items():
                 (root / path).write_bytes(data)
-            notes += renames.notes(root, plans)
+            notes += [
+                (f"{old} is called {new} now; all in it moved along", False)
+                for new, old in renames.former.items()
+                if new in plans
+            ]
     changes = {f"{folder}/{step.path}": step.data for folder, _, step in steps} | ignoring
     before = {path: data for path, data in old.items() if data is not None}
     lines = list(dict.fromkeys(note for note, _ in notes))

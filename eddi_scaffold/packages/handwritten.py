@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
 
 from eddi_scaffold.common.files import read_regular, saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
@@ -16,14 +15,12 @@ from eddi_scaffold.monitors.input_binding import UnwrittenInput
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.regions.check import RegionStatus, list_regions, plan_accept
-from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.package import EDDI, KEPT, Plan, SavedError
 
 ADOPT = (
     "this file is of the D7.2 tools: it runs as it is, and no regeneration fits it to the model;"
     " `eddi-scaffold adopt OLD_PACKAGE` puts its bodies into regions"
 )
-_BEGIN = "# -----Manual edit begin-----  # region: "
 _OF_D72 = re.compile(r"^class EDDIInput\s*(\(\s*(object)?\s*\))?\s*:", re.MULTILINE)
 
 
@@ -38,37 +35,6 @@ def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
                 place = f"{root / monitor.package / region.file}:{region.line}"
                 lines.append(f"this {ids[region.id]}: {place}")
     return lines
-
-
-def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
-    """Return a line for each input of a package that was made of messages, and is nobody's now.
-
-    ``before`` and ``after`` are its answers; its folder has the newest files.
-    """
-    made = {marker.id: line for marker, line, _ in _statements(before)}
-    lost = {}
-    for marker, line, title in _statements(after):
-        names = (marker.id, *marker.was)
-        was = next((made[name] for name in names if made.get(name)), None)
-        if was is not None and not line:
-            lost[names] = f"input {title!r} has no source any more: it was made by `{was}`"
-    edited = set(written(package)) if lost else set()
-    return [reason for names, reason in lost.items() if not edited.intersection(names)]
-
-
-def _statements(answers: Mapping[str, Any]) -> Iterator[tuple[Marker, str, str]]:
-    """Yield each input, its generated statement, none where a person must write it, and its id.
-
-    Answers may be of an older release, or damaged: what is not there says nothing.
-    """
-    inputs = answers.get("inputs")
-    for entry in inputs if isinstance(inputs, list) else ():
-        body = entry.get("body") if isinstance(entry, dict) else None
-        if isinstance(body, list) and body:
-            marker = read_marker(f"{_BEGIN}{entry.get('region')}", 1)
-            if isinstance(marker, Marker):
-                waits = body[-1] == f"self.{entry.get('attribute')} = None"
-                yield marker, "" if waits else str(body[-1]), str(entry.get("title"))
 
 
 def written(package: Path) -> list[str]:

@@ -6,11 +6,10 @@ A model that is renamed leaves its old package behind: that is reported, a perso
 from __future__ import annotations
 
 import os
-import re
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.identifiers import package_name
@@ -21,7 +20,7 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.packages.workspace import existing, model_id
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.regions.check import list_regions
-from eddi_scaffold.regions.package import EDDI, Plan, entries, manifest_of, read_file
+from eddi_scaffold.regions.package import EDDI, entries, manifest_of
 
 
 @dataclass(frozen=True)
@@ -61,48 +60,17 @@ class Renames:
                 old.rename(new)
 
     def move_inside(self, root: Path) -> None:
-        """Move a person's files out of folders of generated files that have the old name."""
+        """Move a person's files out of folders of generated modules that have the old name."""
         for folder, old in self.former.items():
-            package = root / folder
-            files = map(PurePosixPath, manifest_of(package).files)
-            made = {str(parent) for file in files for parent in file.parents}
-            for name in [*_names(package)]:
-                parts = name.split("/")
-                renamed = [folder if part == old else part for part in parts]
-                last = max((at for at, part in enumerate(parts[:-1]) if part == old), default=None)
-                if last is None or "/".join(renamed[: last + 1]) not in made or parts[0] == EDDI:
-                    continue
-                new = package.joinpath(*renamed)
-                if not os.path.lexists(new):
-                    new.parent.mkdir(parents=True, exist_ok=True)
-                    (package / name).rename(new)
-
-    def notes(self, root: Path, plans: Mapping[str, Plan]) -> Iterator[tuple[str, bool]]:
-        """Yield what is to be said of packages that have moved, and whether a person must look."""
-        moved = {new: old for new, old in self.former.items() if new in plans}
-        for new, old in moved.items():
-            yield f"{old} is called {new} now; all in it moved along", False
-        for new, old in moved.items():
-            yield from ((line, True) for line in _mentions(root / new, old))
+            for above in (root / folder, root / folder / "src"):
+                for file in sorted((above / old).rglob("*")) if (above / folder).is_dir() else ():
+                    new = above / folder / file.relative_to(above / old)
+                    if file.is_file() and not os.path.lexists(new):
+                        new.parent.mkdir(parents=True, exist_ok=True)
+                        file.rename(new)
 
 
 NO_RENAMES = Renames({}, {})
-
-
-def _names(package: Path) -> Iterator[str]:
-    return (name for name, kind in entries(package, {".git"}) if kind is None)
-
-
-def _mentions(package: Path, old: str) -> Iterator[str]:
-    """Report the lines of a person that still have the old name of the package in them."""
-    name_alone = re.compile(rf"(?<![\w/~]){re.escape(old)}(?![\w/])")
-    generated = manifest_of(package).files
-    for name in sorted(_names(package)):
-        file = None if name.startswith((ANSWERS_FILE, f"{EDDI}/")) else read_file(package, name)
-        if file is not None:
-            bodies = [region.body for region in file.marked.regions.values()]
-            if any(map(name_alone.search, bodies if name in generated else [file.text])):
-                yield f"{package.name}/{name}: the name {old!r} of the package is still in it"
 
 
 def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Renames:

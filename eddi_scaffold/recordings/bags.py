@@ -35,7 +35,6 @@ _NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
 """Packages of the messages that monitors publish, and those of ROS about itself."""
 _MOST_HINTS = 20  # topics that similar ones are looked for: to compare texts is slow
 _SET_CLOCK_NS = 10**18  # since 2001 the clock of a computer that has been set is beyond this
-_BACK_NS = 10**9  # stamps of several publishers of a topic may be out of order by less
 _TIMES = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 
 Listeners = Mapping[str, Sequence[tuple[BoundMonitor, SimulatorOutput]]]
@@ -103,9 +102,6 @@ def read_bag(path: Path, members: Sequence[Member]) -> tuple[Recording, list[Pro
             warnings.append(problem("I003.published", place, topics=", ".join(sorted(computed))))
         if start != bag.start_time:
             warnings.append(problem("I011.first_stamp", place))
-        back = _jumping_back(samples)
-        if back:
-            warnings.append(problem("I011.jump", place, topic=", ".join(back)))
         end = max(0, bag.end_time - start - 1)  # rosbags ends behind the last message
         return Recording(0, end, samples), warnings
 
@@ -253,22 +249,6 @@ def _name_times_as_rospy(types: Mapping[str, Any]) -> None:
         time = types.get(f"builtin_interfaces/msg/{name}")
         if time is not None:
             time.secs, time.nsecs = property(attrgetter("sec")), property(attrgetter("nanosec"))
-
-
-def _jumping_back(samples: Sequence[Sample]) -> Iterable[str]:
-    """Return the topics whose stamps jump back."""
-    latest: dict[str, int] = {}
-    topics: dict[str, None] = {}
-    for sample in samples:
-        message = sample.message
-        stamp: Any = getattr(getattr(message, "header", message), "stamp", None)
-        stamp = getattr(message, "clock", stamp)
-        t = int(stamp.sec) * 10**9 + int(stamp.nanosec) if hasattr(stamp, "nanosec") else 0
-        if t:
-            if t < latest.get(sample.topic, t) - _BACK_NS:
-                topics[sample.topic] = None
-            latest[sample.topic] = t
-    return topics
 
 
 def _absent(place: Place, topics: Mapping[str, str], listeners: Listeners) -> Iterator[Problem]:

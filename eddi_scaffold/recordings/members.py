@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple, cast, get_args
@@ -12,7 +11,7 @@ from eddi_runtime.peers import Fleet, Source
 
 from eddi_scaffold.common.files import Source as File
 from eddi_scaffold.common.identifiers import full_topic
-from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.common.problems import EddiError, Problem, problem
 from eddi_scaffold.config.field_types import python_type
 from eddi_scaffold.kinds import InputType
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
@@ -20,10 +19,8 @@ from eddi_scaffold.monitors.input_binding import InputBinding, fits
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.robots import fleet_message
 from eddi_scaffold.recordings.csv_recording import Recording, header_of, read_recording
-from eddi_scaffold.recordings.node import SECOND, Message, Publications, blank
+from eddi_scaffold.recordings.node import Message, Publications, blank
 
-_ALL = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
-"""Unit -> what all of something is in it; a ratio without a name may be more."""
 _LAYOUT = "layout"  # of a MultiArray, beside its one value
 
 
@@ -166,14 +163,13 @@ def read_values(
     """
     members = _with_columns(members, header_of(file))
     types: dict[str, InputType] = {}
-    units: dict[str, str | None] = {}
     topics: dict[str, _OneValue] = {}
     unreached: dict[str, None] = {}  # inputs
     shared = published(members)
     pairs = [(member, of) for member in members for of in member.monitor.inputs]
     for member, binding in pairs:
         if (column := member.columns.get(binding.model.id)) is not None:
-            types[column], units[column] = binding.model.type, binding.unit
+            types[column] = binding.model.type
             if member.is_by_hand(binding) and member.message_for(binding) is None:
                 unreached[f"{member.name}.{binding.model.id}"] = None
             continue
@@ -188,7 +184,6 @@ def read_values(
         replace(s, message=topics[s.topic].message(s.message)) if s.topic in topics else s
         for s in recording.samples
     )
-    problems += _more_than_all(units, recording, file.name)
     if unreached:
         problems.append(problem("I001.bodies", inputs=", ".join(unreached)))
     return members, replace(recording, samples=tuple(samples)), problems
@@ -217,18 +212,3 @@ def _with_columns(members: Sequence[Member], header: Sequence[str]) -> list[Memb
                 raise EddiError(problem("G000.one_column", id=id_, first=first, second=member.name))
         result.append(replace(member, columns=columns))
     return result
-
-
-def _more_than_all(
-    units: Mapping[str, str | None], recording: Recording, file: str
-) -> Iterator[Problem]:
-    """Warn of inputs that are more than all of what they are a part of (I006)."""
-    reported = set()
-    for sample in recording.samples:
-        unit, value = units.get(sample.topic), sample.message
-        most = _ALL.get(unit or "", math.inf)
-        if sample.topic in reported or not isinstance(value, int | float) or not value > most:
-            continue
-        reported.add(sample.topic)
-        message = f"{sample.topic!r} is {value:g} {unit} at {sample.t / SECOND:.3f} s"
-        yield problem("I006.more_than_all", Place(file), message=message, most=most, unit=unit)

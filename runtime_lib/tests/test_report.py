@@ -36,12 +36,12 @@ def test_the_worst_finding_comes_first():
     waiting = InputFact("M", "waiting", "/c: no message yet")
     late = InputFact("S", "stale", "/b: nothing for 2.0 s", age=2.0, limit=0.5)
     node = CALM._replace(recent_overruns=1, graph=GraphFact(warnings=("ROS master lost",)))
-    more = MonitorFact(accepted=("K: max_age: none",), doubts=("pump: it may have failed",))
+    more = MonitorFact(accepted=("K: max_age: none",))
     found = said(waiting, late, KNOWN, monitor=more, node=node)
     assert found.level == STALE
     assert found.message == (
         "S stale: /b: nothing for 2.0 s; M waiting: /c: no message yet; "
-        "1 steps left out; ROS master lost; accepted: K: max_age: none; pump: it may have failed"
+        "1 steps left out; ROS master lost; accepted: K: max_age: none"
     )
     assert dict(found.values)["S.age_s"] == "2.000"
     broken = InputFact("B", "invalid", "why")

@@ -160,7 +160,6 @@ def test_values_of_a_consert():
         "Gn <- n: a number that is too large for 0.0 s, needs 0 .. 10 or 20 ..< 30 %"
     )
     assert sentences(one)["Ga"] == "Ga <- a: no value"
-    assert one.why_message()[0] == "Why"
 
 
 def test_a_filter_waits():

@@ -81,16 +81,6 @@ def test_a_licence_stays_with_its_module(tmp_path: Path) -> None:
     assert "EDDIInput.module" not in saved
 
 
-def test_each_body_that_a_declaration_could_replace_gets_it(tmp_path: Path) -> None:
-    notes = adopt(write_old_ros_network(tmp_path / "old", "harm_risk"), None, None).notes
-    assert [note.partition("; could be declared: ")[2] for note in notes if "by code" in note] == [
-        "Density: {input: dense, map: {true: Dense, false: Broad}}",
-        "Distance: {input: distance, bins: [500], order: [Close, Far]}",
-        "Heat: {input: heat, bins: [50], order: [Normal, Hot], closed: left}",
-        'Fire: {input: fire, map: {true: "Yes", false: "No"}}',
-    ]
-
-
 def test_without_a_class_of_inputs_they_are_what_the_methods_read(tmp_path: Path) -> None:
     scripts = write_old_ros_network(tmp_path / "old", "harm_risk") / "scripts"
     (scripts / "EDDIInput.py").unlink()

@@ -58,22 +58,6 @@ def test_message_types_of_the_robots_models_stay_known(robot: Path) -> None:
     assert "self.Charge = charge.level" in inputs.read_text("utf-8")
 
 
-@pytest.mark.parametrize("command", ["generate", "upgrade", "answers"])
-def test_an_input_that_loses_its_source_is_named(robot: Path, command: str) -> None:
-    (robot / "ws/src").mkdir(parents=True)
-    sources = ("-w", "ws", "-m", MODEL, "-c", CONFIG)
-    assert run("generate", *sources, "--models", NODES, cwd=robot).status == 0
-    edit(robot / CONFIG, "rover_msgs/Charge", "rover_msgs/Other")
-    words = (*sources, "-o", "a.yml") if command == "answers" else (*sources, "--dry-run")
-    again = run(command, *words, cwd=robot)
-    assert again.status == 3
-    assert (
-        "rover: input 'Charge' has no source any more: it was made by `self.Charge = charge.level`"
-        in again.err
-    )
-    assert "WayIsClear" not in again.err
-
-
 def test_every_command_takes_the_models_of_the_robot(robot: Path) -> None:
     """The configuration as it is shipped has no topics: without the models all of them refuse."""
     (robot / "ws/src").mkdir(parents=True)

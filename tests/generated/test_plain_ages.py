@@ -92,7 +92,7 @@ for k in range(44):
     mast.processing({"mast": speed}, t)
     messages = {"wind": below.message(below.execute_step(mast, t)), "hatch": Message(data=True)}
     if k < 10 or k > 40:
-        messages["wind/why"] = below.why() if k < 43 else below.why_message()
+        messages["wind/why"] = below.why()
     told.processing(messages, t)
     above.execute_step(told, t)
     found = above.why()["Sail"]

@@ -10,8 +10,6 @@ from tests.data_files import data_text
 
 rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
 
-from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: E402 - after the check
-from rosbags.typesys import Stores, get_typestore  # noqa: E402 - the same
 
 FIELD = ROOT / "tests" / "data" / "oracles" / "field"
 UNUSED, MESSAGES = FIELD / "bag-unused-channel", FIELD / "bag-messages"
@@ -55,25 +53,3 @@ def test_a_message_from_before_the_clock_was_set() -> None:
     found = played(MESSAGES, "clock_zero")
     assert (found.status, found.out) == (0, VERDICTS)
     assert "warning: the first message has the time stamp 0, and is left out [I011]" in found.err
-
-
-def test_a_simulation_that_was_reset(tmp_path: Path) -> None:
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    time, header, scan = (
-        store.types[name]
-        for name in ("builtin_interfaces/msg/Time", "std_msgs/msg/Header", "sensor_msgs/msg/Range")
-    )
-    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        channel = writer.add_connection("/near", "sensor_msgs/msg/Range", typestore=store)
-        for k, made in enumerate((10, 11, 12, 1, 2)):
-            message = scan(header(time(made, 0), ""), 0, 0.1, 0.0, 40.0, 3.0)
-            data = bytes(store.serialize_cdr(message, "sensor_msgs/msg/Range"))
-            writer.write(channel, 10**18 + k * 10**9, data)
-    shutil.copy(MESSAGES / "lidar.events", tmp_path)
-    config = (MESSAGES / "lidar_config.yml").read_text("utf-8")
-    config = config.replace("std_msgs.Float32", "sensor_msgs.Range")
-    config = config.replace("/lidar/nearest", "/near").replace("unit: m,", "unit: m, field: range,")
-    (tmp_path / "lidar_config.yml").write_text(config, "utf-8")
-    found = played(tmp_path, "bag")
-    assert found.status == 0, found.err
-    assert "the time in the messages of /near jumps back" in found.err

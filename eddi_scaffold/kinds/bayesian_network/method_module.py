@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Mapping
 
 from eddi_scaffold import kinds
 from eddi_scaffold.common.escaping import python_comment, python_literal
@@ -23,38 +21,6 @@ _PLAIN = (
     '        """Take over what `execute_step` was given; the methods below read it."""',
     '        self.dra_data = getattr(dra_data, "data", dra_data)',
 )
-_NUMBER = r"(\d+(?:[._]\d+)?)"
-_SPAN = re.compile(
-    rf"(?:(?:\D*_)?{_NUMBER}_?(?:to|-|_)_?{_NUMBER}"
-    rf"|(?:more_than|above|over|gt|greater_than|ge|>=?)_?{_NUMBER}"
-    rf"|(?:less_than|below|under|lt|le|<=?)_?{_NUMBER})(?:_\D*)?"
-)
-
-
-def proposed_bins(states: Sequence[str]) -> list[float] | None:
-    """Return the edges between states such as ``range_0_to_1_m`` and ``more_than_2_m``.
-
-    ``None`` when the names do not give one ascending series over all states, with at most one
-    state in front that names no number.
-    """
-    spans = []
-    for state in states:
-        match = _SPAN.fullmatch(state.casefold())
-        low, high, above, below = (
-            None if text is None else float(text.replace("_", "."))
-            for text in (match.groups() if match else (None,) * 4)
-        )
-        spans.append((above if low is None else low, below if high is None else high))
-    if len(spans) > 2 and spans[0] == (None, None):
-        spans[0] = (None, spans[1][0])
-    edges = []
-    for (_, high), (low, _) in pairwise(spans):
-        edge = low if high is None else high
-        if edge is None or (low is not None and low != edge):
-            return None
-        edges.append(edge)
-    is_rising = all(a < b for a, b in pairwise(edges))
-    return edges if edges and is_rising and (None, None) not in spans else None
 
 
 def config_module(network: Network, options: NetworkOptions) -> kinds.EditableModule:
@@ -77,16 +43,10 @@ def _method(node: Node, attribute: str, options: NetworkOptions) -> kinds.Editab
     comments = [f"States of {python_comment(node.id)}: {python_comment(', '.join(node.states))}."]
     if node.id in options.outputs:
         comments.append("Declared as an output.")
-    input_id, edges = options.input_of(node.id), proposed_bins(node.states)
-    is_discretised = node.id in [entry.node for entry in options.declarations]
-    if input_id is not None:
+    if (input_id := options.input_of(node.id)) is not None:
+        is_discretised = node.id in [entry.node for entry in options.declarations]
         how = "discretised" if is_discretised else "taken"
         comments.append(f"Declared: {how} from {python_comment(input_id)}, unless set here.")
-    if edges is not None and not is_discretised:
-        shown = ", ".join(f"{edge:g}" for edge in edges)
-        comments.append(
-            f"Its states look like bins: [{shown}] (discretisation: in the configuration)"
-        )
     former = options.renamed.get(node.id)
     return kinds.EditableMethod(
         name=f"node_{attribute}",
@@ -130,10 +90,8 @@ def draft(network: Network, options: kinds.Options) -> kinds.ModelDraft:
             new[node.id] = {"input": node.id, "map": map_}
             continue
         new[node.id] = {"input": node.id, "bins": TODO}
-        edges, bins = plural(len(node.states) - 1, "edge"), proposed_bins(node.states)
-        by_name = f"; by their names {bins}" if bins else ""
-        text = f"{edges} between {', '.join(node.states)}{by_name}"
-        notes["discretisation", node.id, "bins"] = text
+        edges = plural(len(node.states) - 1, "edge")
+        notes["discretisation", node.id, "bins"] = f"{edges} between {', '.join(node.states)}"
     inputs = []
     for name, entry in {**declared, **new}.items():
         input_id = entry.get("input") if isinstance(entry, Mapping) else None

@@ -52,7 +52,7 @@ def compile_system(
 ) -> CompiledMonitor:
     """Return the compiled monitor of a checked system.
 
-    Sums are written out up to so many states and nodes; with 0 states no number is of one horizon.
+    Sums are written out up to so many states and nodes.
     """
     time = chains.Time(system.quantum / 3600.0, system.horizon, moving=system.mission_end)
     lines: list[str] = []
@@ -218,7 +218,7 @@ class _Component:
         configuration, rates = values["configuration"], values["rates"]
         motors = sorted(range(len(rates)), key=values["positions"].__getitem__)
         chain = chains.rotors_chain(configuration, [float(rates[motor]) for motor in motors])
-        if self.time.moving or not self.states:  # the chain finds what lies ahead
+        if self.time.moving:  # the chain finds what lies ahead
             ahead: py.Part = self._chain("Chain", chain, self.about)
         else:
             numbers = chains.rows_ahead(chain, self.time.horizon)

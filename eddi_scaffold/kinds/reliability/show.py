@@ -18,7 +18,7 @@ from eddi_scaffold.kinds.reliability.system import (
     Gate,
     ReliabilitySystem,
 )
-from eddi_scaffold.kinds.reliability.trial import at_start, mean_life
+from eddi_scaffold.kinds.reliability.trial import at_start
 
 _MOST_CUT_SETS = 20
 
@@ -114,19 +114,19 @@ def law_text(event: BasicEvent) -> str:
 
 def readme(system: ReliabilitySystem) -> list[str]:
     """Return numbers at the start of the mission, thresholds and minimal cut sets."""
-    start, life = at_start(system), mean_life(system)
-    shown = "not computed" if life is None else "infinite" if math.isinf(life) else f"{life:.6g} h"
+    start = at_start(system)
     until = "the mission's end" if system.mission_end else "the horizon"
     probability = f"{start.p_fail:.6g}"
-    if start.p_fail_low < start.p_fail_high:  # bounds by cut sets: reliability is the least one
+    if start.p_fail_low < start.p_fail_high:  # bounds by cut sets
         probability = f"from {start.p_fail_low:.6g} to {start.p_fail_high:.6g}"
-        shown = f"at least {shown}" if life is not None else shown
     numbers = (
         f"`{markdown_code(system.top)}` fails within {system.horizon:g} h ({until}) with "
-        f"probability {probability} at mission start, everything in order; mean time to failure: "
-        f"{shown}."
+        f"probability {probability} at mission start, everything in order"
     )
-    lines = [numbers, ""]
+    if not math.isnan(life := start.mttf):
+        shown = "infinite" if math.isinf(life) else f"{life:.6g} h"
+        numbers += f"; mean time to failure: {shown}"
+    lines = [f"{numbers}.", ""]
     if system.thresholds:
         unknown = "its worst case counts" if system.worst_case else "no evidence is active"
         lines += ["| evidence | active at p_fail up to | gone above | hold |", "|---|---|---|---|"]

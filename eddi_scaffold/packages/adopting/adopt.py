@@ -7,6 +7,7 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,8 @@ from eddi_scaffold.common.identifiers import attribute, package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Model, Options, kinds
 from eddi_scaffold.monitors.loading import checked_models, is_config, read_models, select_models
+from eddi_scaffold.packages.adopting.foreign import foreign
 from eddi_scaffold.packages.adopting.old_package import OldPackage, ParsedModule, read_old_package
-from eddi_scaffold.packages.adopting.proposals import BodyUse, foreign, use_of
 from eddi_scaffold.packages.adopting.wiring import (
     OldInput,
     Wiring,
@@ -80,11 +81,10 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     published = published_ids(old.monitor)
     choices: Sequence[Mapping[str, JsonValue]] = ({}, _BY_CLASS)
     by_class = next((choice for choice in choices if published <= _guarantees(model, choice)), {})
-    truths = {input_.id for input_ in wiring.inputs if input_.known_type == "bool"}
-    uses = dict(_uses(old.config, truths))
+    uses = dict(_uses(old.config))
     methods = [method for module in model.editable_modules() for method in module.methods]
     nodes = {method.name.removeprefix("node_"): method.about for method in methods}
-    observed = [nodes[node] for node, use in uses.items() if use.observed and node in nodes]
+    observed = [nodes[node] for node, (sets, _) in uses.items() if sets and node in nodes]
     options = {**by_class, **({"observed": observed} if observed else {})}
     notes: list[str] = []
     bodies: list[Body] = []
@@ -126,10 +126,9 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         if compared := ", ".join(sorted(names & compared_texts(old.eddi_input))):
             publishes = f"{other.name} publishes this with `guarantee_ids: class` only"
             notes.append(f"{compared}: {publishes}")
-    for node, use in uses.items():
-        what = (("observed by code", use.observed), ("an output", use.output))
-        line = f"{node}: {' and '.join(text for text, holds in what if holds) or 'unused'}"
-        notes.append(f"{line}; could be declared: {use.proposal}" if use.proposal else line)
+    for node, holds in uses.items():
+        what = compress(("observed by code", "an output"), holds)
+        notes.append(f"{node}: {' and '.join(what) or 'unused'}")
     return Adoption(
         old=old,
         id=id_,
@@ -215,22 +214,36 @@ def _bodies(module: ParsedModule, prefix: str) -> Iterator[Body]:
             yield Body(region, module.path.name, kept=True)
 
 
-def _uses(config: ParsedModule | None, truths: set[str]) -> Iterator[tuple[str, BodyUse]]:
-    """Yield what the body of each node's method does, with the node's name in Python."""
+def _uses(config: ParsedModule | None) -> Iterator[tuple[str, tuple[bool, bool]]]:
+    """Yield the nodes of a network, as named in Python: does code set an outcome, the output flag.
+
+    What counts is the body, not the frame around it.
+    """
     for method in config.methods.values() if config is not None else ():
         if method.name.startswith("node_") and method.body is not None:
-            name = method.name.removeprefix("node_")
-            yield name, use_of(name, method.body, _outcomes(method.tree), truths)
+            assigned = {
+                target.id: statement.value
+                for inside in method.tree.body
+                if inside not in method.outside
+                for statement in ast.walk(inside)
+                if isinstance(statement, ast.Assign)
+                for target in statement.targets
+                if isinstance(target, ast.Name)
+            }
+            flag = assigned.get("is_bn_output")
+            is_output = isinstance(flag, ast.Constant) and flag.value is True
+            is_observed = not _outcomes(method.tree).isdisjoint(assigned)
+            yield method.name.removeprefix("node_"), (is_observed, is_output)
 
 
-def _outcomes(tree: ast.FunctionDef) -> dict[str, str]:
-    """Return variable -> state, from the dictionary that the method returns."""
+def _outcomes(tree: ast.FunctionDef) -> set[str]:
+    """Return the variables of the states, from the dictionary that the method returns."""
     return {
-        value.id: str(key.value)
+        value.id
         for node in ast.walk(tree)
         if isinstance(node, ast.Dict)
-        for key, value in zip(node.keys, node.values, strict=True)
-        if isinstance(key, ast.Constant) and isinstance(value, ast.Name)
+        for value in node.values
+        if isinstance(value, ast.Name)
     }
 
 

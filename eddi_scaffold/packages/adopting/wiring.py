@@ -9,7 +9,6 @@ from types import EllipsisType
 
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.packages.adopting.old_package import ParsedModule
-from eddi_scaffold.packages.adopting.proposals import attribute_of
 from eddi_scaffold.yaml_text.nodes import dump_plain
 
 _TYPES = {bool: "bool", int: "int", float: "float", str: "str"}
@@ -24,15 +23,11 @@ class OldInput:
     requires: tuple[str, ...]  # ids of topics
     type: str | None = None  # as its use tells, where there is no default
 
-    @property
-    def known_type(self) -> str | None:
-        """Its type in a configuration, ``None`` where nothing tells."""
-        return _TYPES.get(type(self.default), self.type)
-
     def as_entry(self) -> dict[str, JsonValue]:
-        """Return its entry in a configuration."""
+        """Return its entry in a configuration, without a type where nothing tells it."""
+        type_ = _TYPES.get(type(self.default), self.type)
         entry: dict[str, JsonValue] = {"id": self.id}
-        entry |= {"type": self.known_type} if self.known_type is not None else {}
+        entry |= {"type": type_} if type_ is not None else {}
         entry["requires"] = list(self.requires)
         return entry | ({"default": self.default} if self.default is not None else {})
 
@@ -163,17 +158,27 @@ def inputs_read(config: ParsedModule) -> Iterator[OldInput]:
     for method in config.methods.values():
         names: dict[str, str] = {}
         for node in ast.walk(method.tree):
-            if name := attribute_of(node, {}):
+            if name := _attribute_of(node, {}):
                 types.setdefault(name, set())
             match node:
                 case ast.Assign(targets=[ast.Name(id=variable), *_], value=value):
-                    if source := attribute_of(value, names):
+                    if source := _attribute_of(value, names):
                         names[variable] = source
         for operand, type_ in _typed(method.tree):
-            if name := attribute_of(operand, names):
+            if name := _attribute_of(operand, names):
                 types[name].add(type_)
     for name, known in types.items():
         yield OldInput(name, None, (), known.pop() if len(known) == 1 else None)
+
+
+def _attribute_of(node: ast.AST, names: Mapping[str, str]) -> str | None:
+    """Return the input that ``self.dra_data.x``, or a variable that holds it, refers to."""
+    match node:
+        case ast.Name(id=variable):
+            return names.get(variable)
+        case ast.Attribute(value=ast.Attribute(value=ast.Name(), attr="dra_data"), attr=name):
+            return name
+    return None
 
 
 def _typed(tree: ast.AST) -> Iterator[tuple[ast.expr, str]]:

@@ -10,7 +10,7 @@ from typing import Any, Mapping, Protocol, Sequence, Tuple, TypeVar, Union
 
 from .inputs import EDDIInputBase, InputSpec, accepted, of_topic, step_time
 from .plain_values import is_nan, one_line, read
-from .why import UNKNOWN, Cause, ClaimWhy, claim_why, why_tree
+from .why import UNKNOWN, Cause, ClaimWhy, claim_why
 
 __version__ = "1.0.0"
 """Of this runtime."""
@@ -164,10 +164,6 @@ class Monitor(Protocol[Output]):
         except Exception:  # noqa: BLE001 - what people read must not end what robots rely on
             return {}
 
-    def why_message(self) -> Tree:
-        """Return the message ``Why`` of ``why()``, without a header."""
-        return why_tree(self.model_id, self.why())
-
     def _whys(self) -> Iterable[tuple[str, int, Iterable[Cause]]]:
         """Return id, verdict and causes of each claim, as the claim sees them."""
         return ()
@@ -212,10 +208,6 @@ class Monitor(Protocol[Output]):
     def accepted(self) -> Sequence[str]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
         return accepted(self.inputs, self._source)
-
-    def doubts(self) -> Sequence[str]:
-        """Return what was missed before and still keeps outputs from being given."""
-        return ()
 
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""

@@ -124,34 +124,6 @@ def test_reset_forgets_all():
     assert step(one, None) == step(monitor(ROWS), None)
 
 
-def test_explain_says_which_test_and_why():
-    rows = [[float(k % 7), float(k % 5), float(k)] for k in range(40)]
-    one = monitor(rows, threshold=70)
-    assert one.explain() == ()
-    for _ in range(4):
-        step(one, [3.0, 2.0, 90.0])
-    first, *others = one.explain()
-    assert (first.label, first.violated, first.statistic) == ("feature 2", True, 1.0)
-    assert first.p_value < 0.01
-    assert len(others) == 2
-    assert str(first).startswith("feature 2: distance 1 >= threshold")
-    step(one, [])
-    assert one.explain() == ()
-
-
-def test_explain_names_the_features_of_a_component():
-    chance = np.random.RandomState(1)
-    rows = (chance.normal(size=(60, 3)) * [1.0, 5.0, 0.1]).tolist()
-    one = monitor(rows, spec={"components": 1, "residual": True, "halves": True})
-    for row in rows[:4]:
-        step(one, row)
-    by_label = {test.label: test for test in one.explain()}
-    assert set(by_label) == {"component 0", "residual"}
-    assert by_label["component 0"].weights[0][0] == 1
-    assert "mostly feature 1 (+1.00)" in str(by_label["component 0"])
-    assert by_label["residual"].weights == ()
-
-
 def test_messages():
     one = filled()
     result = step(one, [0.2])

@@ -30,11 +30,8 @@ def test_sums_that_do_not_fit_into_64_bits():
 
 @pytest.mark.parametrize("metric", METRICS)
 @pytest.mark.parametrize("levels", [None, 8])
-@pytest.mark.parametrize("listed", [True, False])
-def test_the_window_equals_its_last_values(metric, levels, listed, monkeypatch):
+def test_the_window_equals_its_last_values(metric, levels):
     """The ring against a comparison of what it should hold, while it is also cleared at times."""
-    if not listed:
-        monkeypatch.setattr("eddi_runtime.safeml.comparison._MOST_LISTED", 0)
     chance = np.random.RandomState(2)
     tests, m = 3, 7
 
@@ -57,11 +54,8 @@ def test_the_window_equals_its_last_values(metric, levels, listed, monkeypatch):
             np.testing.assert_allclose(window.statistics(), expected, rtol=1e-13, atol=1e-13)
 
 
-@pytest.mark.parametrize("listed", [True, False])
-def test_infinity_is_beyond_every_reference(listed, monkeypatch):
+def test_infinity_is_beyond_every_reference():
     """It is what a component becomes of numbers that are too large to multiply."""
-    if not listed:
-        monkeypatch.setattr("eddi_runtime.safeml.comparison._MOST_LISTED", 0)
     comparison = Comparison("ad", np.arange(100.0)[None], 2)
     window = Window(comparison)
     for value in (np.inf, -np.inf):

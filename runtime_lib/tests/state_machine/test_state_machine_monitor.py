@@ -109,7 +109,6 @@ def test_a_silent_input_takes_claims_away_and_nothing_of_itself_brings_them_back
     assert output.possible == ("Ready", "Halted", "Secured")
     reason = f"perhaps in Halted for 1.0 s, because {FAULT} was not known"
     assert robot.why("NotFailed").startswith(f"NotFailed: {reason}; perhaps in Secured for 0.0 s")
-    assert f"4.0 s: Ready or Halted; Halted because {FAULT} was" in robot.monitor.explain()
     output = robot.step(6, QUIET, reset=True)
     assert (output.state, output.evidence["NotFailed"]) == ("Ready", True)
 

@@ -1,6 +1,5 @@
 """Plots: what is drawn where, that any text is safe, that the bytes are the same."""
 
-import math
 from dataclasses import replace
 from xml.etree import ElementTree as ET
 
@@ -14,23 +13,6 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 def track(*values: object, name: str = "G0") -> Track:
     return tracks_of("outputs", [(float(t), {name: v}) for t, v in enumerate(values)])[0]
-
-
-def levels(svg: str) -> list[float]:
-    (line,) = ET.fromstring(svg).iter(f"{SVG}path")
-    steps = line.attrib["d"].replace("M", "L").split("L")[1::2]
-    return [float(step.split(" ")[1]) for step in steps]
-
-
-def test_probabilities_that_span_decades_have_a_logarithmic_axis() -> None:
-    svg = plot("p", [track(1e-9, 1e-6, 1e-3, 0.0, 1e-2)])
-    low, middle, upper, zero, high = levels(svg)
-    assert (low, high) == (zero, min(levels(svg)))
-    assert math.isclose((low - middle) / (low - high), 3 / 7, abs_tol=0.01)
-    assert math.isclose((low - upper) / (low - high), 6 / 7, abs_tol=0.01)
-    assert {">log<", ">1e-09<", ">0.01<"} <= {f">{t.text}<" for t in ET.fromstring(svg).iter()}
-    for linear in ((0.5, 0.9), (1e-9, 5.0), (-1e-9, 0.5), (0.0, 0.0)):
-        assert ">log<" not in plot("x", [track(*linear)])
 
 
 def test_what_is_true_may_be_bad_and_is_not_green() -> None:
@@ -66,22 +48,6 @@ def test_a_reason_is_below_its_bar_and_ends_before_the_next_one() -> None:
     first, second = reasons(ET.fromstring(plot("x", [told])))
     assert str(first[0].tail).endswith("…")  # the one that lasts, and not the first
     assert float(first.attrib["x"]) + 5 * len(str(first[0].tail)) < float(second.attrib["x"])
-
-
-def test_a_long_noise_keeps_its_peaks_and_what_is_unknown() -> None:
-    values: list[object] = [k % 7 / 10 for k in range(50_000)]
-    values[31_234], values[31_236], values[40_000] = 9.0, -9.0, None
-    svg = plot("noise", [track(*values)])
-    assert len(svg) < 200_000
-    root = ET.fromstring(svg)
-    assert [title.text for title in root.iter(f"{SVG}title")].count("unknown") == 1
-    (line,) = root.iter(f"{SVG}path")
-    steps = line.attrib["d"].replace("M", "L").split("L")[1:]
-    levels = [float(step.split(" ")[1]) for step in steps]
-    assert line.attrib["d"].count("M") == 2  # the line breaks where it is unknown
-    assert {levels.count(min(levels)), levels.count(max(levels))} == {2}  # a step has two ends
-    places = [float(step.split(" ")[0]) for step in steps]
-    assert places == sorted(places)
 
 
 VALUES = st.lists(st.none() | st.booleans() | st.floats() | st.text(max_size=5), max_size=8)

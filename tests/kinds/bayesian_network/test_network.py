@@ -18,7 +18,6 @@ from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds import Model
 from eddi_scaffold.kinds.bayesian_network import cross_check as crosscheck
 from eddi_scaffold.kinds.bayesian_network import inference_plan
-from eddi_scaffold.kinds.bayesian_network.method_module import proposed_bins
 from eddi_scaffold.kinds.bayesian_network.network import Network, identifiers, xdsl_ids
 from eddi_scaffold.kinds.bayesian_network.network_model import NetworkModel
 from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
@@ -140,20 +139,6 @@ def test_names_in_python_and_in_xdsl() -> None:
         "2nd": "n_2nd",
         "ä": "_",
     }
-
-
-@pytest.mark.parametrize(
-    ("states", "edges"),
-    [
-        (["range_0_to_1_m", "range_1_to_2_m", "more_than_2_m"], [1, 2]),
-        (["NotDriving", "range_0_to_2_kmh", "range_2_to_4_kmh", "more_than_4_kmh"], [0, 2, 4]),
-        (["lt_5_deg", "gt_5_deg"], [5]),
-        (["Yes", "No"], None),
-        (["range_0_to_1", "range_2_to_3"], None),
-    ],
-)
-def test_names_that_look_like_bins(states: list[str], edges: list[float] | None) -> None:
-    assert proposed_bins(states) == edges
 
 
 TEXTS = {"xdsl": to_xdsl, "xmlbif": to_xmlbif}

@@ -14,13 +14,11 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability import trial
 from eddi_scaffold.kinds.reliability.compile import table
 from eddi_scaffold.kinds.reliability.decision_diagram import build
 from eddi_scaffold.kinds.reliability.fault_tree import Gate, minimal_cut_sets
 from eddi_scaffold.kinds.reliability.lowering import lower_tree
 from eddi_scaffold.kinds.reliability.system import FaultTree, ReliabilitySystem
-from eddi_scaffold.kinds.reliability.trial import mean_life
 from eddi_scaffold.monitors.loading import read_models
 from tests.data_files import data_file
 from tests.kinds.reliability import trees as written
@@ -122,13 +120,6 @@ def _entangled(events: int, size: int, gates: int) -> list[Gate]:
 def test_the_way_to_few_cut_sets_is_bounded() -> None:
     assert minimal_cut_sets(20, _entangled(20, 5, 21), 41) is not None
     assert minimal_cut_sets(40, _entangled(40, 8, 30), 70) is None
-
-
-def test_a_life_that_is_too_rough_has_no_mean(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = sound(VOTES.replace("p: 1e-6}", "rate: 1e-3 1/h}", 4))
-    assert mean_life(model.data) is not None
-    monkeypatch.setattr(trial, "_STEPS", 100)
-    assert mean_life(model.data) is None
 
 
 pytestmark = pytest.mark.slow

@@ -4,7 +4,7 @@ from .compiled import Monitor
 
 
 class EDDIMonitor:
-    """Run the model; `monitor` offers more than a step: why(), faults() and mostly explain()."""
+    """Run the model; `monitor` offers more than a step, such as why() and faults()."""
     def __init__(self):
         self.monitor = Monitor()
 

@@ -291,18 +291,6 @@ class Claim(NamedTuple):
     high: float  # upper bound
     reason: str  # why it is not active; empty when it is, or is known to be on the wrong side
 
-    def bounds(self, form: str) -> str:
-        """Return the bounds for people, empty where they were not computed."""
-        if math.isnan(self.low):
-            return ""
-        low, high = format(self.low, form), format(self.high, form)
-        return low if self.low == self.high else f"{low} to {high}"
-
-    def text(self) -> str:
-        active, bounds = "active" if self.active else "not active", self.bounds(".3g")
-        reason = f" ({self.reason})" if self.reason else ""
-        return f"{self.id}: {active}{', ' if bounds else ''}{bounds}{reason}"
-
 
 class BayesianNetworkOutput(_Record):
     """The posteriors of all outputs, in the order of the network."""

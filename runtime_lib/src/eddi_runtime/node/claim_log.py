@@ -11,22 +11,6 @@ from .start import LOG
 WAIT_S = 0.3  # for the reason that another monitor tells
 STILL_S = 10.0  # between two lines that only the reason has changed
 GAP_S = 1.0  # between two lines of a claim
-MOST = 20  # lines of a process and second: a guarantee that flaps must not fill the disk
-
-
-class _Limit:
-    """Counts the lines of all monitors in a process."""
-
-    second, lines = -math.inf, 0
-
-    def allows(self, now: float) -> bool:
-        if not 0.0 <= now - self.second < 1.0:
-            self.second, self.lines = now, 0
-        self.lines += 1
-        return self.lines <= MOST
-
-
-_LIMIT = _Limit()
 
 
 class _Claim:
@@ -76,7 +60,7 @@ class _Claim:
         untold = row.verdict != TRUE and self.reason and self.reason.state == "untold"
         if not self.word or (untold and now < self.due):
             return None
-        if now - self.last < GAP_S or not _LIMIT.allows(now):
+        if now - self.last < GAP_S:
             return None
         more = f" ({self.more} more)" if self.more else ""
         text = clean(f"{self.word} {self.rest or row.sentence}{more}")

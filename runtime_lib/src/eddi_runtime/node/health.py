@@ -116,8 +116,8 @@ class Health:
             elif state != FRESH:
                 causes[spec.id] = self._eddi_input.why(spec, UNKNOWN, 0.0, core.topics)
         why, kind = core.why(), core.kind
-        more = core.hazards, tuple(core.accepted()), tuple(core.doubts())
-        self._asked = asked = _Asked(now, report.MonitorFact(kind, why, *more), causes)
+        fact = report.MonitorFact(kind, why, core.hazards, tuple(core.accepted()))
+        self._asked = asked = _Asked(now, fact, causes)
         lacking = [spec for spec, (state, _) in zip(self._inputs, states) if state != FRESH]
         self.suspected = frozenset(name for spec in lacking for name in spec.requires)
         if self._claims != (claims := first_reasons(why)):

@@ -40,7 +40,6 @@ class MonitorFact(NamedTuple):
     why: Mapping[str, ClaimWhy] = {}  # of its claims
     hazards: frozenset[str] = frozenset()  # claims of which the absence holds
     accepted: Sequence[str] = ()  # acceptances in use, as ``input: key``
-    doubts: Sequence[str] = ()  # what was missed before and still keeps outputs from being given
 
 
 class Reason(NamedTuple):
@@ -94,7 +93,7 @@ class Report(NamedTuple):
 def level_of(states: Sequence[str], error: str, monitor: MonitorFact) -> int:
     """Return the level of input states, of the error of a step (empty: none) and of claims."""
     levels = [_LEVEL_OF_STATE[state] for state in states]
-    warned = monitor.accepted or monitor.doubts or [*_of_others(monitor)]
+    warned = monitor.accepted or [*_of_others(monitor)]
     return _worst([*levels, ERROR if error else OK, WARN if warned else OK])
 
 
@@ -119,7 +118,7 @@ def report(
         findings.append((ERROR, f"no step for {node.silent_for:.1f} s"))
     warnings = [f"{node.recent_overruns} steps left out"] if node.recent_overruns else []
     warnings += [*node.graph.warnings, *(f"accepted: {text}" for text in monitor.accepted)]
-    findings += [(WARN, text) for text in (*warnings, *monitor.doubts, *_of_others(monitor))]
+    findings += [(WARN, text) for text in (*warnings, *_of_others(monitor))]
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     prefix = _PREFIXES.get(monitor.kind, "threshold.")
     values = list(identity.items())

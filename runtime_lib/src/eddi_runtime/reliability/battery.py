@@ -78,7 +78,6 @@ class Battery(Component):
             return None
         band = 4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1
         if band > self._band and not self._repair:
-            self.latched += 1
             self.report_fault(
                 self._level, "it rises to a higher band; ignored without `repair: true`"
             )

@@ -71,7 +71,6 @@ class Component:
     """One model of a monitor; it is asked once a step, behind those that it uses."""
 
     grows: bool = True  # what lies ahead never gets less probable with the horizon
-    latched: int = 0  # how often a claim was ignored that something failed works again
     # input id -> what is wrong with its value, since the monitor took this over
     said: Mapping[str, str] = NOTHING
 
@@ -86,7 +85,6 @@ class Component:
         if not before or now or repair:
             return now
         if now is False:
-            self.latched += 1
             self.report_fault(name, AGAIN)
         return True
 
@@ -104,7 +102,7 @@ class Component:
 
     def reset(self) -> None:
         """Return to the start of the mission."""
-        self.latched, self.said = 0, NOTHING
+        self.said = NOTHING
 
 
 Taken = Union[bool, float, List[Optional[bool]], None]
@@ -188,45 +186,6 @@ class ReliabilityResult(NamedTuple):
     # why the result is not valid; of a valid one, what was missed before and is still open
     reason: str
     contributions: Mapping[str, float]  # model -> its p_fail_high
-
-
-_SHOWN = 5
-
-
-class Explanation(NamedTuple):
-    """Explanation of the result of one step."""
-
-    result: ReliabilityResult  # of the step
-    known: Mapping[str, object]  # input -> its value
-    unknown: Mapping[str, str]  # input -> why it is not known; empty where nothing came
-    # input -> what is wrong with its value, also where the value is known
-    faults: Mapping[str, str]
-    # (model, its p_fail_high), the most probable failure first
-    contributions: tuple[tuple[str, float], ...]
-    # events of the top fault tree, those that decide most often first
-    importances: tuple[Importance, ...]
-    # model -> how often a claim was ignored that something failed works again
-    ignored: Mapping[str, int]
-
-    def text(self) -> str:
-        own = self.result
-        bounds = f" ({own.p_fail_low:.3g} to {own.p_fail_high:.3g})"
-        shown = bounds if own.p_fail_low != own.p_fail_high else ""
-        why = f"{'valid' if own.valid else 'not valid'}{f': {own.reason}' if own.reason else ''}"
-        lines = [f"p_fail {own.p_fail:.3g}{shown} within {own.horizon:g} h, {why}"]
-        lines += [f"  {name} is {'' if on else 'not '}active" for name, on in own.evidence.items()]
-        because = {name: f": {why}" if why else "" for name, why in self.unknown.items()}
-        lines += [f"  {name} is unknown{why}" for name, why in because.items()]
-        lines += [f"  {name}: {why}" for name, why in self.faults.items() if name in self.known]
-        for name, p in self.contributions[:_SHOWN]:
-            lines.append(f"  model {name}: p_fail {p:.3g}")
-        for event in self.importances[:_SHOWN]:
-            decides = f"decides {event.criticality:.3g} of p_fail"
-            lines.append(f"  event {event.event}: p {event.probability:.3g}, {decides}")
-        for name, count in self.ignored.items():
-            times = "once" if count == 1 else f"{count} times"
-            lines.append(f"  model {name}: ignored {times} that something failed works again")
-        return "\n".join(lines)
 
 
 Matrix = Sequence[Sequence[float]]

@@ -15,11 +15,6 @@ import numpy as np
 from .chain import Belief, Chain, Look, Row, Seen
 
 _TERMS = 25
-_BLOCK = 16
-"""Steps of one quantum that are looked at in one product while the observation stays the same."""
-_LARGEST = {True: 500, False: 64}
-"""States up to which this is done; of a chain that is observed, each observation has matrices."""
-_KEPT = 64  # how many observations have them at a time
 
 
 class LargeChain(Chain):
@@ -45,7 +40,7 @@ class LargeChain(Chain):
         np.fill_diagonal(q, -q.sum(axis=1))
         self._now = propagator(q, self.age)[self.initial].copy()
         self.first = tuple(self._now.tolist())
-        self._step = propagator(q, self.hours)
+        self._doubled = [propagator(q, self.hours)]  # of one quantum, two, four, ...
         ends = np.zeros((self.states, 2))
         ends[:, 1] = 1.0
         ends[list(self.fail)] = (1.0, 0.0)
@@ -58,10 +53,8 @@ class LargeChain(Chain):
         # failed, alive, mean life, weight of endless states and of all: one product with a belief
         self._looks = [np.column_stack([view, *rest]) for view in views]
         self._found: dict[int, list[Row]] = {}
-        self._matrices: dict[Seen, tuple[list[np.ndarray], np.ndarray | None, np.ndarray]] = {}
-        self.everything = Seen(self, range(self.states))
-        self._place = 0
-        self._block: list[list[float]] = []
+        self._seen = self.everything = Seen(self, range(self.states))
+        self._mask = np.array(self._seen.mask)
         self.reset()
 
     def rows(self, at: int) -> list[Row]:
@@ -72,18 +65,11 @@ class LargeChain(Chain):
         return rows_at
 
     def weights(self) -> Belief:
-        self._propagate(self._place, self._seen)
-        self._place, self._block = 0, []
         numbers: list[float] = self._now.tolist()
         return numbers
 
     def believe(self, belief: Belief) -> None:
-        self._place, self._block = 0, []
         self._now = np.array(belief)
-
-    def reset(self) -> None:
-        self._seen = self.everything
-        super().reset()
 
     def look(self, belief: Belief, at: int) -> Look:
         numbers: list[float] = np.dot(belief, self._looks[at]).tolist()
@@ -91,65 +77,32 @@ class LargeChain(Chain):
 
     def after(self, beliefs: list[Belief], quanta: int) -> list[Belief]:
         moved = np.array(beliefs)
-        for power in self._factors(quanta, self.everything):
+        for power in self._factors(quanta):
             moved = moved @ power
         rows: list[Belief] = moved.tolist()
         return rows
 
     def moved(self, quanta: int, at: int, seen: Seen) -> Look:
-        place = self._place + quanta
-        # between two steps nothing was observed: with a mask, only single quanta are alike
-        again = seen is self._seen
-        if again and self._block and (quanta < 2 or seen.whole):
-            if place < _BLOCK:
-                self._place = place
-                return self._block[place]
-            self._propagate(place, seen)
-        else:
-            self._propagate(self._place, self._seen)
-            self._propagate(quanta, self.everything)
-            if not seen.whole:
-                self._now *= self._prepared(seen)[2]
-        self._seen, self._place, self._block = seen, 0, []
-        block = self._prepared(seen)[1] if again else None
-        if block is not None:
-            self._block = self._now.dot(block).reshape(_BLOCK, -1).tolist()
-            return self._block[0]
+        for power in self._factors(quanta):
+            self._now = self._now.dot(power)
+        if not seen.whole:
+            if seen is not self._seen:  # mostly it is that of the step before
+                self._seen, self._mask = seen, np.array(seen.mask)
+            self._now *= self._mask
         look: list[float] = self._now.dot(self._looks[at]).tolist()
         return look
 
-    def _propagate(self, quanta: int, seen: Seen) -> None:
-        for power in self._factors(quanta, seen):
-            self._now = self._now.dot(power)
-
-    def _factors(self, quanta: int, seen: Seen) -> list[np.ndarray]:
-        """Return the powers of one quantum that make up several, the observation in each."""
-        powers = self._prepared(seen)[0]
+    def _factors(self, quanta: int) -> list[np.ndarray]:
+        """Return the powers of one quantum that make up several."""
+        powers = self._doubled
         while len(powers) < quanta.bit_length():
-            powers.append(_squared(powers[-1], whole=seen.whole))
+            powers.append(_squared(powers[-1]))
         return [power for bit, power in enumerate(powers) if quanta >> bit & 1]
 
-    def _prepared(self, seen: Seen) -> tuple[list[np.ndarray], np.ndarray | None, np.ndarray]:
-        """Return powers of one quantum with what is seen, looks ahead in the next steps, mask."""
-        matrix = self._matrices.get(seen)
-        if matrix is None:
-            if len(self._matrices) > _KEPT:
-                self._matrices.clear()
-            mask, block, step = np.array(seen.mask), None, self._step
-            if len(self._looks) == 1 and self.states <= _LARGEST[seen.whole]:
-                step = step if seen.whole else step * mask
-                looks = accumulate(
-                    range(_BLOCK - 1), lambda a, _: step @ a, initial=self._looks[0]
-                )
-                block = np.concatenate(list(looks), axis=1)
-            matrix = self._matrices[seen] = [step], block, mask
-        return matrix
 
-
-def _squared(power: np.ndarray, *, whole: bool = True) -> np.ndarray:
+def _squared(power: np.ndarray) -> np.ndarray:
     square: np.ndarray = power @ power
-    if whole:  # rows of probabilities; with a mask they have less weight
-        square /= square.sum(axis=1, keepdims=True)
+    square /= square.sum(axis=1, keepdims=True)  # rows of probabilities
     return square
 
 

@@ -15,7 +15,6 @@ from .component import (
     NOTHING,
     Component,
     Estimate,
-    Explanation,
     Importance,
     Moment,
     ReliabilityResult,
@@ -82,7 +81,6 @@ class Reliability(Monitor[ReliabilityResult]):
         self._start: int | None = None
         self._last = self._quanta = self._base = 0
         self._faults: dict[str, str] = {}
-        self._taken: Mapping[str, Taken] = {}
         self._result = self._nothing("not started")._replace(evidence={})
         for component in self.components.values():
             component.reset()
@@ -106,7 +104,6 @@ class Reliability(Monitor[ReliabilityResult]):
         self._faults = {}
         values = self._read(eddi_input)
         beyond = self._limit_mission(values) if self.moving else ""
-        self._taken = values
         quanta, reason = self._pass(now)
         size, horizon, index = self._quantum, self.horizon, 0
         if self.moving:
@@ -173,31 +170,8 @@ class Reliability(Monitor[ReliabilityResult]):
         self._faults[MISSION_END] = shown
         return "mission_end is above mission_time"
 
-    def doubts(self) -> tuple[str, ...]:
-        result = self._result
-        decides = [
-            own.threshold.activate
-            for own in self._evidence
-            if not own.active and result.p_fail_low <= own.threshold.activate < result.p_fail_high
-        ]
-        return (result.reason,) if result.valid and result.reason and decides else ()
-
     def importances(self) -> tuple[Importance, ...]:
         return self.components[self.top].importances()
-
-    def explain(self) -> Explanation:
-        """Explain the last result: what is known, what is not, and what matters most."""
-        faults, result = self._faults, self._result
-        shares = sorted(result.contributions.items(), key=lambda item: (-item[1], item[0]))
-        return Explanation(
-            result,
-            {k: v for k, v in self._taken.items() if v is not None and k not in result.unknown},
-            {name: faults.get(name, "") for name in result.unknown},
-            dict(faults),
-            tuple(share for share in shares if share[0] != self.top or len(shares) == 1),
-            self.importances() if result.contributions else (),
-            {name: item.latched for name, item in self.components.items() if item.latched},
-        )
 
     def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
         return {

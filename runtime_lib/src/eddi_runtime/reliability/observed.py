@@ -138,7 +138,6 @@ class MarkovChain(Component):
             return result._replace(reason="")
         if not seen.alive:
             return sure(1.0, 0.0, 0.0)
-        self.latched += 1
         given = dict(zip(self._names, verdicts))
         for state, name, negated in self._observe:
             if state in self.chain.fail and given[name] is negated:

@@ -52,7 +52,6 @@ class Propulsion(Component):
         return kept
 
     def _take(self, values: Values, statuses: tuple[Any, ...]) -> None:
-        latched = self.latched
         failed: list[bool | None] = []
         unknown: list[str] = []
         for motor, (name, position) in enumerate(self._inputs):
@@ -65,8 +64,8 @@ class Propulsion(Component):
             if now is None:
                 unknown.append(name)
             failed.append(now)
-        # a claim that something works again is counted each time
-        self._last = statuses if latched == self.latched else None
+        # a claim that something works again is reported each time
+        self._last = None if self.said else statuses
         self._unknown = tuple(dict.fromkeys(unknown))
         down = {motor for motor, state in enumerate(failed) if state}
         maybe = {motor for motor, state in enumerate(failed) if state is not False}

@@ -2,10 +2,10 @@
 
 from .arrays import Axes, Table
 from .comparison import Interpolated, Kolmogorov
-from .monitor import OneTest, SafeML, SafeMLResult
+from .monitor import SafeML, SafeMLResult
 
 FORMAT = 1
 
 __all__ = [
-    "FORMAT", "Axes", "Interpolated", "Kolmogorov", "OneTest", "SafeML", "SafeMLResult", "Table",
+    "FORMAT", "Axes", "Interpolated", "Kolmogorov", "SafeML", "SafeMLResult", "Table",
 ]  # fmt: skip

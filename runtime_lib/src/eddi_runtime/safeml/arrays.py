@@ -247,11 +247,3 @@ class Axes:
     def series(self, rows: Array) -> Array:
         """Return the values of many samples, (K, rows); one by one, see the class."""
         return np.ascontiguousarray(np.array([self.values(row) for row in rows]).T)
-
-    def weights(self, test: int, most: int = 3) -> list[tuple[int, float]]:
-        """Return the features that weigh most in a component, with their weights."""
-        if test >= len(self.vectors):
-            return []
-        vector = self.vectors[test]
-        order = np.argsort(-np.abs(vector), kind="stable")[:most]
-        return [(int(k), float(vector[k])) for k in order]

@@ -274,9 +274,6 @@ class Comparison:
         return float(statistic) / (self.n * self.m) if self.metric == "ks" else float(statistic)
 
 
-_MOST_LISTED = 64
-"""Tests up to which Python's own bisection, one after the other, is faster than all at once."""
-
 _Ranks = Tuple[Array, Array, int]
 
 
@@ -334,8 +331,7 @@ def _look_up(comparison: Comparison) -> Callable[[Array], _Ranks]:
     """Return the function that finds (lower, upper, how many differ) of one value per test."""
     backend, reference = comparison.backend, comparison.reference
     if backend.name == "numpy":
-        few = comparison.tests <= _MOST_LISTED
-        return _in_lists(reference.tolist()) if few else _in_table(reference)
+        return _in_lists(reference.tolist())
 
     def in_arrays(sample: Array) -> _Ranks:
         column = backend.array(sample.reshape(-1, 1))
@@ -359,31 +355,5 @@ def _in_lists(rows: list[list[float]]) -> Callable[[Array], _Ranks]:
                 upper[k] = bisect_right(rows[k], values[k], place)
                 ties += 1
         return lower, upper, ties
-
-    return look_up
-
-
-def _in_table(rows: Array) -> Callable[[Array], _Ranks]:
-    """Bisect in all rows at once; rows of a power of two, filled up with what equals nothing."""
-    tests, n = rows.shape
-    steps = [1 << k for k in range(n.bit_length() - 1, -1, -1)]
-    width = 2 * steps[0]
-    table = np.full((tests, width), np.nan)
-    table[:, :n] = rows
-    flat = table.ravel()
-    begin = np.arange(tests) * width
-
-    def look_up(sample: Array) -> _Ranks:
-        place = begin.copy()
-        for step in steps:
-            place += step * (flat.take(place + (step - 1)) < sample)
-        lower = place - begin
-        ties = int(np.count_nonzero(flat.take(place) == sample))
-        if not ties:
-            return lower, lower, 0
-        for step in steps:  # from the first equal value to behind the last one
-            ahead = np.minimum(place + (step - 1), begin + (width - 1))
-            place += step * (flat.take(ahead) == sample)
-        return lower, place - begin, ties
 
     return look_up

@@ -38,28 +38,6 @@ class SafeMLResult(NamedTuple):
     reason: str = ""
 
 
-class OneTest(NamedTuple):
-    """One test of the last verdict."""
-
-    test: int  # index
-    label: str  # ``feature 3``, ``component 0`` or ``residual``
-    statistic: float  # distance of window and reference
-    threshold: float  # from which on it is a violation
-    violated: bool  # whether it is reached
-    p_value: float  # asymptotic, for this test alone and independent samples
-    # of a component: the features that weigh most in it, with their weights
-    weights: tuple[tuple[int, float], ...] = ()
-
-    def __str__(self) -> str:
-        relation = ">=" if self.violated else "<"
-        features = ", ".join(f"feature {k} ({weight:+.2f})" for k, weight in self.weights)
-        mostly = f"; mostly {features}" if features else ""
-        return (
-            f"{self.label}: distance {self.statistic:.4g} {relation} threshold "
-            f"{self.threshold:.4g}, p {self.p_value:.2g}{mostly}"
-        )
-
-
 _SPOILT = "the output has no Booleans omission and odd_violation; it is an omission"
 
 
@@ -92,11 +70,8 @@ class SafeML(Monitor[SafeMLResult]):
         reference = array_of(self.reference)
         if self.axes is None:
             self._features = len(reference)
-            # name of each test for people
-            self.labels = tuple(f"feature {k}" for k in range(self._features))
         else:
             self._features = len(self.axes.centre)
-            self.labels = self.axes.labels
             reference = np.sort(self.axes.series(reference), axis=1)
         self._comparison = Comparison(self.metric, reference, self.window_size, arrays)
         self._window = Window(self._comparison)
@@ -191,18 +166,6 @@ class SafeML(Monitor[SafeMLResult]):
             limit = "its limit" if self.max_age is None else f"{self.max_age:g} s"
             words = NO_TIME if self._timeless else f"the last sample is older than {limit}"
         return reason, words if reason else ""
-
-    def explain(self) -> tuple[OneTest, ...]:
-        """Return every test of the present window, the largest distance first, if any."""
-        if self._last.omission or self._statistics is None:
-            return ()
-        tests = []
-        for test, statistic in enumerate(self._statistics):
-            value, violated = self._comparison.value(statistic), bool(statistic >= self.threshold)
-            weights = () if self.axes is None else tuple(self.axes.weights(test))
-            facts = (value, self._value, violated, self.tail(value), weights)
-            tests.append(OneTest(test, self.labels[test], *facts))
-        return tuple(sorted(tests, key=lambda row: -row.statistic))
 
     def as_json(self, output: SafeMLResult) -> Mapping[str, bool | int | float | str | None]:
         return {name: finite(value) for name, value in output._asdict().items()}

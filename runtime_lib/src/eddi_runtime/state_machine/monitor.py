@@ -14,9 +14,7 @@ from ..why import FALSE, TEXTS, TRUE, UNKNOWN, Cause, length, seconds
 from .engine import Engine, Way
 from .machine import RaisedAction, StateMachine, StateMachineOutput
 
-_NAMES = ("FALSE", "UNKNOWN", "TRUE")
 _VERDICTS = (False, None, True)
-_KEPT = 32  # changes, for people
 _MOST = 256  # actions that wait for ``published``
 _EARLY = ("missing", "untold")  # states of an input that has not been known since the start
 _WITHHELD = {
@@ -61,7 +59,6 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
         self._moved = self._result = StateMachineOutput(*nothing)  # of the last move, and step
         self._late: set[int] = set()  # inputs for which it waits
         self._silent: set[int] = set()  # inputs that hold no message, and need not
-        self._changes: deque[str] = deque(maxlen=_KEPT)
         self._pending: deque[RaisedAction] = deque(maxlen=_MOST)
         self._failures: dict[str, tuple[str, int]] = {}  # method -> why it failed, how often
 
@@ -86,8 +83,6 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             known = [action for action in before.raised if not action.certain]
             self._pending.extend([action for action in made.raised if action not in known])
             self._result = self._moved
-            if made.possible != before.possible:
-                self._changes.append(f"{t / 1e9:.1f} s: {self._change(before)}")
         else:
             self._result = self._moved._replace(raised=(), unknown_inputs=unknown)
             lost = any(then and not now for then, now in zip(self._usable_then, self._usable))
@@ -268,24 +263,3 @@ class StateMachineMonitor(StateMachine, ConditionMonitor[StateMachineOutput]):
             return f"{self.triggers[way.trigger].text}{' was not known' if doubt else ''}"
         stay = f"{length((row.after or 0) / 1e9)} in {self.states[row.source].id}"
         return f"it {'may have been' if doubt else 'was'} {stay}"
-
-    def _change(self, before: StateMachineOutput) -> str:
-        """Return what has become possible, and why."""
-        rows = [(self.states[k].id, stay.ways) for k, stay in self._engine.occupied.items()]
-        new = [(name, ways[0]) for name, ways in rows if ways and name not in before.possible]
-        why = [f"{name} because {self._because(way)}" for name, way in new]
-        return "; ".join([" or ".join(self._moved.possible), *why, *self._moved.reasons])
-
-    def explain(self) -> str:
-        """Return how each possible state was entered, the triggers now, and the last changes."""
-        lines = []
-        for state, stay in self._engine.occupied.items():
-            since = [seconds(self._lasting(t)) for t in (stay.latest, stay.earliest)]
-            lines.append(f"{self.states[state].id} for {' .. '.join(dict.fromkeys(since))}")
-            for way in stay.ways:
-                row = self.transitions[way.transition]
-                lines.append(f"  by {row.name} {row.place}, because {self._because(way)}")
-        for k, (trigger, value) in enumerate(zip(self.triggers, self._engine.values)):
-            causes = self._of_unknown(self._unknown_of(k), self.faults())
-            lines.append(f"{trigger.text}: {_NAMES[value]} {'; '.join([c.chain for c in causes])}")
-        return "\n".join([*lines, *self._changes])
