@@ -18,6 +18,7 @@ from eddi_scaffold.cli import (
     learning,
     models,
     packages,
+    report,
     run,
     watch,
 )
@@ -104,7 +105,14 @@ _GROUPS: dict[str, list[Callable[..., None]]] = {
         watch.watch,
         learning.explain,
     ],
-    "Models": [models.diagram, models.compose, models.export, event.event, packages.trace],
+    "Models": [
+        models.diagram,
+        models.compose,
+        models.export,
+        event.event,
+        packages.trace,
+        report.report,
+    ],
     "Old packages, git and Copier": [packages.adopt, generate.answers],
 }
 COMMANDS = {

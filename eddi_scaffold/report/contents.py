@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.hazards import ClaimSupport, HazardRow
@@ -73,13 +74,13 @@ class Report:
         edges: dict[DiagramEdge, None] = {}
         for row in self.rows:
             box, states = f"row {row.item.path}", ", ".join(row.states)
-            tone = "demand" if row.is_linked else "refused"
-            nodes[box] = DiagramNode(box, (row.item.name, states), "box", tone)
+            node = DiagramNode(box, (row.item.name, states), "box", "demand")
+            nodes[box] = node if row.is_linked else replace(node, tone="refused")
             edges |= {DiagramEdge(of.claim, box): None for of in row.guarantees}
         for claim, support in self.support.items():
-            tone = "output" if claim in self.guarantees else "neutral"
-            nodes[claim] = DiagramNode(claim, (claim, support.known.as_text()), "rounded", tone)
-            for of in (read for input_ in support.inputs for read in input_.claims or input_.topics):
+            node = DiagramNode(claim, (claim, support.known.as_text()), "rounded", "output")
+            nodes[claim] = node if claim in self.guarantees else replace(node, tone="neutral")
+            for of in chain.from_iterable(of.claims or of.topics for of in support.inputs):
                 nodes.setdefault(of, DiagramNode(of, (of,), "hexagon", "input"))
                 edges[DiagramEdge(of, claim)] = None
         text = "from topics up to claims, guarantees and the hazards that they are linked with"

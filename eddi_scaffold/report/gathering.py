@@ -54,7 +54,8 @@ def gathered(
         )
         for package, of in results.items()
     }
-    trace = hazard_trace(eddi, monitors, groups, known) if eddi is not None else None
+    folders = [group.root / folder for group, folder, answers in present if "facts" in answers]
+    trace = hazard_trace(eddi, monitors, folders, known) if eddi is not None else None
     digests = {wire.name: wire.facts.digest for wire in monitors}
     reactions, injected = _injected(faults) if faults is not None else ((), {})
     return Report(
@@ -76,9 +77,8 @@ def _injected(path: Path) -> tuple[Sequence[Row], Mapping[str, str]]:
         rows = [_row(row) for row in data["rows"]]
         return rows, {of["monitor"]: of["digest"] for of in data["monitors"]}
     except (ValueError, KeyError, TypeError) as failure:
-        hint = "give what `eddi-scaffold inject --json` printed"
-        reason = f"not the result of injected faults: {failure}"
-        raise EddiError(problem("F003.not_read", Place(str(path)), hint=hint, reason=reason)) from None
+        refused = problem("F003.faults", Place(str(path)), reason=failure)
+        raise EddiError(refused) from None
 
 
 def _row(data: Mapping[str, Any]) -> Row:
