@@ -100,7 +100,6 @@ _GROUPS: dict[str, list[Callable[..., None]]] = {
         connect.parse_rossystem,
         packages.regions,
         packages.status,
-        packages.verify,
         packages.upgrade,
         watch.watch,
         learning.explain,
@@ -113,6 +112,7 @@ _GROUPS: dict[str, list[Callable[..., None]]] = {
         packages.trace,
         report.report,
     ],
+    "Evidence": [packages.verify, report.report],
     "Old packages, git and Copier": [packages.adopt, generate.answers],
 }
 COMMANDS = {

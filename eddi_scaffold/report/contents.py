@@ -21,7 +21,6 @@ _LEGEND = (
     LegendEntry("guarantee", "rounded", "output"),
     LegendEntry("claim of another monitor", "rounded", "neutral"),
     LegendEntry("topic", "hexagon", "input"),
-    LegendEntry("no guarantee is linked", "box", "refused"),
 )
 
 
@@ -72,10 +71,9 @@ class Report:
         """Hazards, the guarantees that are linked with them, and what these rest on."""
         nodes: dict[str, DiagramNode] = {}
         edges: dict[DiagramEdge, None] = {}
-        for row in self.rows:
+        for row in (row for row in self.rows if row.guarantees):
             box, states = f"row {row.item.path}", ", ".join(row.states)
-            node = DiagramNode(box, (row.item.name, states), "box", "demand")
-            nodes[box] = node if row.is_linked else replace(node, tone="refused")
+            nodes[box] = DiagramNode(box, (row.item.name, states), "box", "demand")
             edges |= {DiagramEdge(of.claim, box): None for of in row.guarantees}
         for claim, support in self.support.items():
             node = DiagramNode(claim, (claim, support.known.as_text()), "rounded", "output")
