@@ -19,6 +19,7 @@ from eddi_scaffold.cli import (
     learning,
     models,
     packages,
+    report,
     run,
     watch,
 )
@@ -100,13 +101,19 @@ _GROUPS: dict[str, list[Callable[..., None]]] = {
         connect.parse_rossystem,
         packages.regions,
         packages.status,
-        packages.verify,
         packages.upgrade,
         watch.watch,
         learning.explain,
-        inject.inject,
     ],
-    "Models": [models.diagram, models.compose, models.export, event.event, packages.trace],
+    "Models": [
+        models.diagram,
+        models.compose,
+        models.export,
+        event.event,
+        packages.trace,
+        report.report,
+    ],
+    "Evidence": [packages.verify, inject.inject, report.report],
     "Old packages, git and Copier": [packages.adopt, generate.answers],
 }
 COMMANDS = {
