@@ -97,7 +97,11 @@ class Drawing:
         self.deltas = [period, *self.jumps, *lengths, *(n - period for n in lengths if n > period)]
         most = max([0, *lengths]) * 3 // _MOST_STEPS
         self.fillers = [n for n in (period, 2 * period) if n > most] + [self.jumps[0]]
-        limits = {read.timeout for read in self.reads if read.timeout is not None}
+        timed = [row.value for row in rows if row.op == "number" and row.value is not None]
+        timed = timed if {"age", "elapsed"} & {row.op for row in rows} else []
+        limits = {round(x * 1e9) for x in timed if 0 < x < 1e4}
+        self.deltas += sorted(limits)
+        limits.update(read.timeout for read in self.reads if read.timeout is not None)
         limits.update(age for _, age in self.faulty.values())
         late = [limit + n for limit in sorted(limits) for n in (0, 1)]
         self.ages = [0, -1, -period, -period - 1, *late]
@@ -361,6 +365,7 @@ def _list_pools(reduction: Reduction, pools: Mapping[str, Pools]) -> Iterator[tu
         elif not part.is_list:
             yield part.name, (plain, odd)
         else:  # a truth in a list may be a number, too
+            near = [x for x in odd if type(x) is float and math.isfinite(x)]
             mixed = [*plain, None, *plain, *(() if part.type == "bool" else odd)]
             lists = [
                 [
@@ -370,13 +375,17 @@ def _list_pools(reduction: Reduction, pools: Mapping[str, Pools]) -> Iterator[tu
                     for n in range(len(of))
                     if length <= 51
                 ]
-                for of in (plain, mixed)
+                for of in ([*plain, *near], mixed)
             ]
+            if reduction.coverage is not None and not angles:
+                lists[0] += [[x] * n + [None] * (10 - n) for x in plain for n in range(11)]
             yield part.name, (lists[0], [None, "1", [], *lists[1]])
 
 
 def _other_reductions(reduction: Reduction) -> Iterator[Reduction]:
     yield from (replace(reduction, op=op) for op in _others(reduction.op))
+    if reduction.coverage is not None:
+        yield from (replace(reduction, coverage=reduction.coverage + n) for n in (-0.1, 0.1))
     for k, node in enumerate(reduction.nodes):
         others = [replace(node, op=op) for op in _others(node.op)]
         if type(node.value) is float and node.op == "constant":
