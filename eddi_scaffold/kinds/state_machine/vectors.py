@@ -317,10 +317,14 @@ class _Player:
         }
         limits = {name: self._limits(name, *of.conditions) for name in of.reads}
         self.domain = {name: [*self._domain(*limits[name])] for name in of.reads}
+        self.missed: set[str] = (
+            set()
+        )  # runs of which the state is not reached, though there is a way
         self.spoilt: set[str] = set()  # inputs that had a value of a wrong type
         self.wanted = {key: _T if key in self.settings.observe else _F for key in of.conditions}
         nothing = {name: list[Any]() for name in of.orders.values()}
-        self.calm = {key: values[0] for key, values in self.domain.items()} | nothing
+        self.calm: dict[str, Any] = dict.fromkeys(of.factors) | nothing
+        self.calm |= {key: values[0] for key, values in self.domain.items()}
         for key, truth in self.wanted.items():
             self.calm |= self.search({key: truth}) or {}
 
@@ -400,9 +404,12 @@ class _Player:
         ways: dict[str, list[Transition]] = {state: [] for state in of.possible}
         for source in (open_ := [*ways]):
             for each in self.machine.leaving[source]:
-                if each.target not in ways:
+                can_fire = each.triggers or each.after is not None
+                if can_fire and each.target not in ways:
                     ways[each.target] = [*ways[source], each]
                     open_.append(each.target)
+        if plan.state in ways:
+            self.missed.add(plan.name)
         for each in ways.get(plan.state, []):
             if each.after is not None:
                 over = of.possible[each.source][1] + round(each.after * 1e9)
@@ -415,6 +422,7 @@ class _Player:
                 play.step(self.longest, given)
         if [*of.possible] != [plan.state] and self.settings.start == "initial":
             raise _CutError  # else it is one of those where it may be
+        self.missed.discard(plan.name)
 
     def run(self, plan: _Plan) -> Run | None:
         """Return the run, ``None`` where its state is not reached."""
@@ -528,7 +536,7 @@ def state_machine_vectors(
     size, complete = len(vectors_file(about, inputs, lists, complete=False)), True
     for run in map(player.run, player.plans()):
         size += len(text(run).encode()) + 4
-        complete &= run is not None and size < MOST_BYTES
+        complete &= not player.missed and size < MOST_BYTES
         lists["runs"] += [run] if run is not None and size < MOST_BYTES else []
     return vectors_file(about, inputs, lists, complete=complete)
 
