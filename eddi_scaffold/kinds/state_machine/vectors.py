@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 _F, _U, _T = range(3)
 _TRUTHS = (False, None, True)
-_MOST_STEPS, _MOST_CASES = 200, 1000
+_MOST_STEPS, _MOST_CASES, _MOST_INPUTS, _MOST_STATES = 200, 1000, 60, 200
 _NO_JSON = {"nan": math.nan, "inf": math.inf, "object": object()}
 _WRONG = tuple({"is": name} for name in (*_NO_JSON, "absent"))
 _FIELDS = ("state", "moment", "kind", "text", "target", "priority")
@@ -317,10 +318,14 @@ class _Player:
         }
         limits = {name: self._limits(name, *of.conditions) for name in of.reads}
         self.domain = {name: [*self._domain(*limits[name])] for name in of.reads}
+        self.missed: set[str] = (
+            set()
+        )  # runs of which the state is not reached, though there is a way
         self.spoilt: set[str] = set()  # inputs that had a value of a wrong type
         self.wanted = {key: _T if key in self.settings.observe else _F for key in of.conditions}
         nothing = {name: list[Any]() for name in of.orders.values()}
-        self.calm = {key: values[0] for key, values in self.domain.items()} | nothing
+        self.calm: dict[str, Any] = dict.fromkeys(of.factors) | nothing
+        self.calm |= {key: values[0] for key, values in self.domain.items()}
         for key, truth in self.wanted.items():
             self.calm |= self.search({key: truth}) or {}
 
@@ -343,10 +348,14 @@ class _Player:
             yield from (low, low / 2 + high / 2)
 
     def truth(self, key: Any, given: Given) -> int:
-        """Return the truth of a condition of which the inputs never change."""
+        """Return the truth of a condition of inputs that were at rest, and then do not change."""
         program = self.definition.conditions[key]._replace(period=1 << 61)
-        raws = {name: self.definition.raw(name, given[name]) for name in self.needs[key]}
-        return _TRUTHS.index(History(program, [Sample(0, raws, {})]).results()[-1][0])
+        raws = [
+            {name: self.definition.raw(name, row[name]) for name in self.needs[key]}
+            for row in (self.calm, given)
+        ]
+        samples = [Sample(k << 60, row, {}) for k, row in enumerate(raws)]
+        return _TRUTHS.index(History(program, samples).results()[-1][0])
 
     def cases(self, *keys: Any) -> Iterator[dict[str, Any]]:
         """Yield all inputs of conditions, with the others at rest."""
@@ -377,15 +386,15 @@ class _Player:
         """Yield the row of each input with an age limit and a source of its own."""
         for input_ in inputs:
             keys = [key for key, needs in self.needs.items() if input_.id in needs]
-            given = self.made(dict.fromkeys(keys[:1], _T))
-            given |= dict.fromkeys(self.definition.orders.values(), False)
-            late = {**given, input_.id: _WRONG[0]}
-            row = age_row(
-                input_, given, *(Definition(*self.parts).step(0, of) for of in (given, late))
-            )
-            others = [other for other in inputs if other is not input_]
-            if row and not any({*other.requires} & {*input_.requires} for other in others):
-                yield row
+            orders = dict.fromkeys(self.definition.orders.values(), False)
+            given = {**(self.search(dict.fromkeys(keys[:1], _T)) or self.calm), **orders}
+            others = [set(other.requires) for other in inputs if other is not input_]
+            with suppress(_CutError):
+                late = {**given, input_.id: _WRONG[0]}
+                results = [Definition(*self.parts).step(0, of) for of in (given, late)]
+                row = age_row(input_, given, *results)
+                if row and all(other.isdisjoint(input_.requires) for other in others):
+                    yield row
 
     def reach(self, play: _Play, plan: _Plan) -> None:
         """Bring a run into a state."""
@@ -400,9 +409,12 @@ class _Player:
         ways: dict[str, list[Transition]] = {state: [] for state in of.possible}
         for source in (open_ := [*ways]):
             for each in self.machine.leaving[source]:
-                if each.target not in ways:
+                can_fire = each.triggers or each.after is not None
+                if can_fire and each.target not in ways:
                     ways[each.target] = [*ways[source], each]
                     open_.append(each.target)
+        if plan.state in ways:
+            self.missed.add(plan.name)
         for each in ways.get(plan.state, []):
             if each.after is not None:
                 over = of.possible[each.source][1] + round(each.after * 1e9)
@@ -415,6 +427,7 @@ class _Player:
                 play.step(self.longest, given)
         if [*of.possible] != [plan.state] and self.settings.start == "initial":
             raise _CutError  # else it is one of those where it may be
+        self.missed.discard(plan.name)
 
     def run(self, plan: _Plan) -> Run | None:
         """Return the run, ``None`` where its state is not reached."""
@@ -518,19 +531,23 @@ def state_machine_vectors(
     inputs: Sequence[BoundInput],
     about: Mapping[str, str],
 ) -> str:
-    """Return the content of ``vectors.json``; ``about`` says of which model it is."""
+    """Return the content of ``vectors.json``, empty where it would be too much."""
+    if len(inputs) > _MOST_INPUTS or len(machine.states) > _MOST_STATES:
+        return ""
     player = _Player(machine, settings, inputs)
     lists: dict[str, list[Any]] = {
         "tables": [("actions", _actions(player.definition))],
         "ages": [*player.ages(inputs)],
         "runs": [],
     }
-    size, complete = len(vectors_file(about, inputs, lists, complete=False)), True
-    for run in map(player.run, player.plans()):
+    size = len(vectors_file(about, inputs, lists, complete=False))
+    for run in filter(None, map(player.run, player.plans())):
         size += len(text(run).encode()) + 4
-        complete &= run is not None and size < MOST_BYTES
-        lists["runs"] += [run] if run is not None and size < MOST_BYTES else []
-    return vectors_file(about, inputs, lists, complete=complete)
+        if size > MOST_BYTES:
+            break
+        lists["runs"].append(run)
+    complete = not player.missed and size <= MOST_BYTES
+    return vectors_file(about, inputs, lists, complete=complete) if lists["runs"] else ""
 
 
 def _actions(of: Definition) -> list[list[Any]]:

@@ -29,6 +29,7 @@ def test_a_monitor_passes_its_vectors(metric: str, keys: dict[str, Any], tmp_pat
     assert {True, False} <= {result.get("odd_violation") for result in results}
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::SyntaxWarning")
 def test_each_mutant_is_killed_or_proved_equal(tmp_path: Path) -> None:
     package = Package(
