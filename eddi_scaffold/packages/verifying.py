@@ -11,7 +11,7 @@ import importlib
 import json
 import platform
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,16 +23,17 @@ from eddi_runtime.testing import failures
 from eddi_scaffold.common.files import next_to, read_regular, read_source
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, plural, problem
-from eddi_scaffold.config.file import named_model_path
+from eddi_scaffold.config.file import from_data, named_model_path
 from eddi_scaffold.evidence.conditions import expressions
 from eddi_scaffold.evidence.emitted import Emitted, Finding, UnprovedError
-from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.answers import VECTORS
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.compiling import from_json as facts_of
-from eddi_scaffold.monitors.config_reading import read_configs
+from eddi_scaffold.monitors.config_reading import read_configs, with_types
+from eddi_scaffold.monitors.loading import checked_models, model_for, select_models
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
-from eddi_scaffold.packages.upgrading import PackageGroup, newer_models, rejoined
+from eddi_scaffold.packages.upgrading import PackageGroup
 from eddi_scaffold.program.monitor_text import Declaration
 from eddi_scaffold.program.running import module_of
 from eddi_scaffold.regions.check import list_regions
@@ -120,20 +121,27 @@ def verified(
         EddiError: the source is not found, or is another one (U005), or it cannot be used.
     """
     package, answers = group.root / folder, group.present[folder]
-    facts = facts_of(answers["facts"])
+    facts, config = facts_of(answers["facts"]), None
+    if text_of := answers.get("config"):
+        config = from_data(text_of, f"the configuration that {folder} remembers")
     read, _ = read_configs(configs)
-    named = ((package_name(of.config.Model.id), of) for of in read)
-    own = {name: of for name, of in named if name == folder}
-    path = model or (named_model_path(own[folder]) if folder in own else None)
+    newer = next((of for of in read if package_name(of.config.Model.id) == folder), None)
+    if newer is not None:  # types that came from models of the robot stay known without these
+        config = newer if config is None else with_types(newer, config.config.MessageTypes)
+    path = model or (named_model_path(newer) if newer is not None else None)
     path = path or _source(package, facts.file, facts.file_sha256)
     if read_source(path).sha256 != facts.file_sha256:
-        place = Place(str(path))
-        raise EddiError(
-            problem("U005.other_source", place, package=folder, sha256=facts.file_sha256)
-        )
-    present = {folder: answers}
-    models, _ = newer_models(replace(group, present=present), path, own)
-    monitor, _ = rejoined(present, models, own)[folder]
+        place, sha256 = Place(str(path)), facts.file_sha256
+        raise EddiError(problem("U005.other_source", place, package=folder, sha256=sha256))
+    marks = answers.get("default_guarantees") or ()
+    models = checked_models(path, marks).models
+    if config is None:
+        (source, *_) = select_models(models, facts.id, kinds()[facts.kind])
+    else:
+        source = model_for(config, models)
+    monitor, problems = monitor_of(source, config, marks)
+    if monitor is None:
+        raise EddiError(*problems)
     code = next((name for name in answers["files"] if name.endswith("compiled.py")), "")
     file = next_to(str(package / ANSWERS_FILE), code)
     text = read_regular(file).decode("utf-8", "replace")
@@ -143,8 +151,8 @@ def verified(
         count, failed = _tested(monitor, text, package, file.parent)
         passed = "all passed" if not failed else f"{len(failed)} differences"
         tested = f"{plural(count, 'vector')}, {passed}" if count or failed else ""
-    config = "its configuration" if own else f"the configuration in {ANSWERS_FILE}"
-    trusted = [f"Python {platform.python_version()}", _runtime(), f"reader of {path.name}", config]
+    trusted = [f"Python {platform.python_version()}", _runtime(), f"reader of {path.name}"]
+    trusted += [f"the configuration in {ANSWERS_FILE}"] if newer is None and config else []
     kept = (folder, path.name, facts.file_sha256, proved, findings, tested, failed)
     return Verified(*kept, [*_by_hand(package, code)], trusted)
 
