@@ -48,47 +48,30 @@ class Verified:
     """What `verify` says of a package."""
 
     package: str  # its folder
-    source: str  # file of the model
+    model: str  # file of the model
     sha256: str  # of that file
-    proved: Sequence[str]  # what is proved; empty where anything is not
+    holds: bool  # all is proved, and no test fails
     findings: Sequence[Finding]  # what differs, or is not proved
-    tested: str  # how many vectors there are, and what became of them
-    failed: Sequence[str]  # vectors that fail, a line each
-    by_hand: Sequence[str]  # what is written by hand, of which nothing is shown
-    trusted: Sequence[str]  # what all of it rests on
-
-    @property
-    def holds(self) -> bool:
-        """Whether all is proved, and no test fails."""
-        return not self.findings and not self.failed
+    # `proved`, `tested`, `not`, `trusted` -> what is so, in a line each
+    evidence: Mapping[str, Sequence[str]]
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``verify --json``."""
-        return {
-            "package": self.package,
-            "model": {"file": self.source, "sha256": self.sha256},
-            "holds": self.holds,
-            "proved": [*self.proved],
-            "findings": [of._asdict() for of in self.findings],
-            "tested": self.tested,
-            "failed": [*self.failed],
-            "not": [*self.by_hand],
-            "trusted": [*self.trusted],
-        }
+        findings: list[JsonValue] = [of._asdict() for of in self.findings]
+        evidence = {word: [*lines] for word, lines in self.evidence.items()}
+        own = {name: of for name, of in vars(self).items() if name != "evidence"}
+        return {**own, "findings": findings, **evidence}
 
     def as_text(self) -> str:
         """Return a few lines for people."""
-        of = f"{self.source} (sha256 {self.sha256[:8]})"
-        word = "differs from" if any(of.differs for of in self.findings) else "not proved equal to"
-        lines = [f"{self.package}: {word if self.findings else 'proved equal to'} {of}"]
-        for finding in self.findings:
-            word = "differs  " if finding.differs else "not proved:"
-            lines.append(f"  {word} compiled.py:{finding.line}: {finding.text}")
-        lines += [f"  proved   {'; '.join(self.proved)}"] if self.proved else []
-        lines += [f"  tested   {self.tested}"] if self.tested else []
-        lines += [f"           {line}" for line in self.failed]
-        lines += [f"  not      {line}" for line in self.by_hand]
-        return "\n".join([*lines, f"  trusted  {', '.join(self.trusted)}"])
+        differs = any(of.differs for of in self.findings)
+        word = "differs from" if differs else f"{'not ' * bool(self.findings)}proved equal to"
+        lines = [f"{self.package}: {word} {self.model} (sha256 {self.sha256[:8]})"]
+        for of in self.findings:
+            word = "differs   " if of.differs else "not proved:"
+            lines.append(f"  {word} compiled.py:{of.line}: {of.text}")
+        rows = [f"  {word:8} {line}" for word, of in self.evidence.items() for line in of]
+        return "\n".join([*lines, *rows])
 
 
 def checked(monitor: BoundMonitor, text: str) -> tuple[list[str], list[Finding]]:
@@ -146,15 +129,17 @@ def verified(
     file = next_to(str(package / ANSWERS_FILE), code)
     text = read_regular(file).decode("utf-8", "replace")
     proved, findings = checked(monitor, text)
-    tested, failed = "", list[str]()
-    if not findings:  # only what is proved is executed
-        count, failed = _tested(monitor, text, package, file.parent)
-        passed = "all passed" if not failed else f"{len(failed)} differences"
-        tested = f"{plural(count, 'vector')}, {passed}" if count or failed else ""
+    # only what is proved is executed
+    tested, holds = ([], False) if findings else _tested(monitor, text, package, file.parent)
     trusted = [f"Python {platform.python_version()}", _runtime(), f"reader of {path.name}"]
     trusted += [f"the configuration in {ANSWERS_FILE}"] if newer is None and config else []
-    kept = (folder, path.name, facts.file_sha256, proved, findings, tested, failed)
-    return Verified(*kept, [*_by_hand(package, code)], trusted)
+    evidence = {
+        "proved": ["; ".join(proved)] if proved else [],
+        "tested": tested,
+        "not": [*_by_hand(package, code)],
+        "trusted": [", ".join(trusted)],
+    }
+    return Verified(folder, path.name, facts.file_sha256, holds, findings, evidence)
 
 
 def _source(package: Path, name: str, sha256: str) -> Path:
@@ -180,21 +165,22 @@ def in_short(monitor: BoundMonitor, files: Mapping[str, bytes]) -> str:
     return f"{monitor.package}: {plural(vectors_in(files.get(VECTORS, b'')), 'vector')}; {word}"
 
 
-def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tuple[int, list[str]]:
-    """Run the vectors of a model with a text; those of its package must be the same."""
+def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tuple[list[str], bool]:
+    """Run the vectors of a model with a text: what to say, and whether all pass."""
     about = {"model": monitor.facts.file, "sha256": monitor.facts.file_sha256}
     vectors = monitor.model.vectors(monitor.bound, about).encode()
-    if not vectors:
-        return 0, []
     file = package / VECTORS
+    if not vectors:
+        return [], True
     if not file.is_file() or read_regular(file) != vectors:
-        return 0, [f"{VECTORS} is not that of the model"]
+        return [f"{VECTORS} is not that of the model"], False
     try:
         class_ = module_of(text, monitor.model.name, lambda name: read_regular(code / name)).Monitor
         failed = failures(str(file), class_, _input_class(class_.inputs))
     except Exception as failure:  # noqa: BLE001 - such as a name that is not imported
         failed = [f"it does not run: {one_line(failure)}"]
-    return vectors_in(vectors), failed
+    passed = f"{len(failed)} differences" if failed else "all passed"
+    return [f"{plural(vectors_in(vectors), 'vector')}, {passed}", *failed], not failed
 
 
 def _input_class(inputs: Sequence[Any]) -> type[Any]:
