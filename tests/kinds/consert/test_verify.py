@@ -60,6 +60,7 @@ def test_a_mutant_that_is_called_proved_is_equal_by_exhaustion() -> None:
         ('in {"none", "low"}', 'in {"none"}', "it has no known form"),
         ('paths=(("Clear", "Light"),)', 'paths=(("Clear",),)', "paths=(('Clear',),)"),
         (", source):\n", ", source):\n        self.judge = None\n", "it has no known form"),
+        ("Lower == 2,", "Lower,", "it has no known form"),
         ("self.judge(1, Light)", "self.judge(0, Light)", "it has no known form"),
         ("source.Clear, source.Light", "source.Light, source.Clear", "it is not the input Clear"),
     ],
