@@ -26,22 +26,12 @@ class Lag(NamedTuple):
 
 
 _NEVER = Lag(math.inf, math.inf)
-_NUMBER_SIGNS: Mapping[str, tuple[int, ...]] = {
+_SIGNS: Mapping[str, tuple[int, ...]] = {
+    **{op: tuple(1 if more else -1 for more in row) for op, row in SIGNS.items()},
+    **dict.fromkeys(("add", "least", "greatest", "count", "max", "min"), (1,)),
+    **dict.fromkeys(("lt", "le"), (-1, 1)), **dict.fromkeys(("gt", "ge", "sub"), (1, -1)),
     "neg": (-1,),
-    "add": (1, 1),
-    "sub": (1, -1),
-    "least": (1, 1),
-    "greatest": (1, 1),
-    "lt": (-1, 1),
-    "le": (-1, 1),
-    "gt": (1, -1),
-    "ge": (1, -1),
-    "count": (1,),
-    "max": (1,),
-    "min": (1,),
-}
-_SIGNS = {op: tuple(1 if more else -1 for more in row) for op, row in SIGNS.items()}
-_SIGNS |= _NUMBER_SIGNS
+}  # fmt: skip
 """Operation -> for each operand, whether more of it makes more of the result."""
 
 
