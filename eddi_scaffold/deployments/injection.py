@@ -1,4 +1,4 @@
-"""Faults in a recording: when guarantees are gone, beside the computed bounds.
+"""Faults in a recording: when guarantees are gone, compared with the computed bounds.
 
 Monitors may begin at any time, and of those that step at one instant any may be the first: each
 fault is played in several phases. In the first one every monitor steps just before the trouble
@@ -29,7 +29,7 @@ _EFFECTS: Mapping[str, Effect] = {
 }  # fmt: skip
 """Fault -> what bounds it; the others have no bound."""
 _LONGEST_S = 5.0  # that a loss without any bound is waited for
-_MOST_VALUES = 16  # of the recording, that are tried: is one bad?
+_MOST_VALUES = 16  # of a topic in the recording that are tried, until a bad one
 _ROUNDING = 1000  # nanoseconds
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
@@ -123,7 +123,7 @@ class Injector:
         self._published = published(members)
         self._columns: dict[str, list[str]] = {}
         for member, id_, column in ((of, *item) for of in members for item in of.columns.items()):
-            (binding,) = (one for one in member.monitor.inputs if one.model.id == id_)
+            (binding,) = (item for item in member.monitor.inputs if item.model.id == id_)
             for topic in member.topics(binding):
                 self._columns.setdefault(topic, []).append(column)
         self._periods = [round(SECOND / of.frequency) for of in self._wired]
@@ -172,7 +172,7 @@ class Injector:
         """Return time and message of what was recorded of a topic, by column."""
         names = self._columns.get(topic, [topic])
         samples = self._recording.samples
-        return {of: [(one.t, one.message) for one in samples if one.topic == of] for of in names}
+        return {name: [(s.t, s.message) for s in samples if s.topic == name] for name in names}
 
     def _applies(self, fault: Fault, topic: str) -> bool:
         if topic in self._published:  # a monitor publishes what it has to say, or nothing
@@ -236,7 +236,7 @@ class Injector:
     def _bad(
         self, target: _Target, topic: str, stretch: tuple[int, int], patience: int
     ) -> Mapping[str, Any]:
-        """Return what a topic said before the claim was lost, if that alone ends it."""
+        """Return the messages of a topic before the claim was lost that alone end it."""
         if (target, topic) in self._bad_values:
             return self._bad_values[target, topic]
         (at, end_of_stretch), tried = stretch, set[str]()
