@@ -25,8 +25,8 @@ def inject(
 ) -> None:
     """Inject faults into a recording.
 
-    Prints after what time each guarantee of `Reactions:` is gone, beside the bound that is computed
-    and the time that is allowed.
+    Prints after what time each guarantee of `Reactions:` is gone, with the computed bound and the
+    time that is allowed.
 
     Example: eddi-scaffold inject robot.yml --bag shift.bag
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from heapq import heappop, heappush
 from typing import NamedTuple
 
 from eddi_scaffold.conditions.uses import SIGNS, inputs_of
@@ -26,22 +27,12 @@ class Lag(NamedTuple):
 
 
 _NEVER = Lag(math.inf, math.inf)
-_NUMBER_SIGNS: Mapping[str, tuple[int, ...]] = {
+_SIGNS: Mapping[str, tuple[int, ...]] = {
+    **{op: tuple(1 if more else -1 for more in row) for op, row in SIGNS.items()},
+    **dict.fromkeys(("add", "least", "greatest", "count", "max", "min"), (1,)),
+    **dict.fromkeys(("lt", "le"), (-1, 1)), **dict.fromkeys(("gt", "ge", "sub"), (1, -1)),
     "neg": (-1,),
-    "add": (1, 1),
-    "sub": (1, -1),
-    "least": (1, 1),
-    "greatest": (1, 1),
-    "lt": (-1, 1),
-    "le": (-1, 1),
-    "gt": (1, -1),
-    "ge": (1, -1),
-    "count": (1,),
-    "max": (1,),
-    "min": (1,),
-}
-_SIGNS = {op: tuple(1 if more else -1 for more in row) for op, row in SIGNS.items()}
-_SIGNS |= _NUMBER_SIGNS
+}  # fmt: skip
 """Operation -> for each operand, whether more of it makes more of the result."""
 
 
@@ -55,9 +46,11 @@ def lags(program: Program, root: int, wanted: int) -> dict[str, Lag]:
     """
     waiting: dict[int, dict[int, Lag]] = {root: {wanted: Lag()}}  # operation -> sign -> so far
     result: dict[str, Lag] = {}
-    for number in range(root, -1, -1):  # operands stand before what is made of them
+    numbers = [-root]  # a heap, the last one first: operands stand before what is made of them
+    while numbers:
+        number = -heappop(numbers)
         node = program.operations[number]
-        for sign, above in waiting.pop(number, {}).items():
+        for sign, above in waiting.pop(number).items():
             if node.op in ("variable", "age"):
                 own = _NEVER if node.op == "age" else Lag()
                 for name in inputs_of(program.reads[node.value]):
@@ -66,6 +59,8 @@ def lags(program: Program, root: int, wanted: int) -> dict[str, Lag]:
             for place, operand in enumerate(node.args):
                 lag = above.plus(_own(node, place, sign, program.period / 1e9))
                 inner = sign * signs[place % len(signs)] if signs else 0
+                if operand not in waiting:
+                    heappush(numbers, -operand)
                 signed = waiting.setdefault(operand, {})
                 signed[inner] = signed.get(inner, lag).longest(lag)
     return result

@@ -1,4 +1,4 @@
-"""Faults in a recording: when guarantees are gone, beside the computed bounds.
+"""Faults in a recording: when guarantees are gone, compared with the computed bounds.
 
 Monitors may begin at any time, and of those that step at one instant any may be the first: each
 fault is played in several phases. In the first one every monitor steps just before the trouble
@@ -8,20 +8,19 @@ reaches it, so that the loss is as late as the bound, as far as the recording al
 from __future__ import annotations
 
 import math
-from bisect import bisect_left, bisect_right
+from bisect import bisect_left
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import pairwise, takewhile
-from operator import itemgetter
+from itertools import pairwise, product, takewhile
 from typing import Any, NamedTuple
 
 from eddi_scaffold.common.problems import EddiError, did_you_mean, problem
-from eddi_scaffold.deployments.lifetimes import Effect, Times, limit_of, times_of_claims
+from eddi_scaffold.deployments.lifetimes import Effect, Times, times_of_claims
 from eddi_scaffold.deployments.support import wired
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.recordings.csv_recording import Recording
 from eddi_scaffold.recordings.faults import Fault, Injection, is_number, read_fault
-from eddi_scaffold.recordings.members import Member
+from eddi_scaffold.recordings.members import Member, published
 from eddi_scaffold.recordings.node import SECOND
 from eddi_scaffold.recordings.playing import play, played
 
@@ -29,14 +28,14 @@ _EFFECTS: Mapping[str, Effect] = {
     "drop": "silence", "nan": "unknown", "delay": "value", "duplicate": "value"
 }  # fmt: skip
 """Fault -> what bounds it; the others have no bound."""
-_USUAL_DELAY_S, _LONGEST_S = 0.1, 5.0  # a loss without a bound is waited for that long
-_MOST_VALUES = 16  # of the recording, that are tried: is one bad?
+_LONGEST_S = 5.0  # that a loss without any bound is waited for
+_MOST_VALUES = 16  # of a topic in the recording that are tried, until a bad one
 _ROUNDING = 1000  # nanoseconds
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
 
 class BoundExceededError(RuntimeError):
-    """A guarantee was active for longer than its bound: a bug of ours."""
+    """A bound of ours is wrong."""
 
 
 @dataclass(frozen=True)
@@ -121,10 +120,10 @@ class Injector:
         self._times: dict[Effect, Mapping[str, Times]] = {
             effect: times_of_claims(self._wired, effect) for effect in _EFFECTS.values()
         }
-        self._published = {topic for of in self._wired for topic, _ in of.published}
+        self._published = published(members)
         self._columns: dict[str, list[str]] = {}
         for member, id_, column in ((of, *item) for of in members for item in of.columns.items()):
-            (binding,) = (one for one in member.monitor.inputs if one.model.id == id_)
+            (binding,) = (item for item in member.monitor.inputs if item.model.id == id_)
             for topic in member.topics(binding):
                 self._columns.setdefault(topic, []).append(column)
         self._periods = [round(SECOND / of.frequency) for of in self._wired]
@@ -157,11 +156,9 @@ class Injector:
                     names = {"guarantee": reaction.guarantee, "topic": topic}
                     place = monitor.config.place("Reactions", index, "topics")
                     raise EddiError(problem("K003.no_topic", place, hint=hint, **names))
-                for text in (one for one in reaction.faults if one.partition(" ")[0] in only):
-                    for topic in reaction.topics or known:
-                        fault = read_fault(text, self._delay_s(topic))
-                        if not self._applies(fault, topic):
-                            continue
+                faults = [fault for fault in map(read_fault, reaction.faults) if fault.name in only]
+                for fault, topic in product(faults, reaction.topics or known):
+                    if self._applies(fault, topic):
                         bound_s, losses = self._measured(target, fault, topic)
                         longest, bound = max(losses, default=math.inf), math.isfinite(bound_s)
                         lost = math.isfinite(longest)
@@ -175,24 +172,13 @@ class Injector:
         """Return time and message of what was recorded of a topic, by column."""
         names = self._columns.get(topic, [topic])
         samples = self._recording.samples
-        return {of: [(one.t, one.message) for one in samples if one.topic == of] for of in names}
+        return {name: [(s.t, s.message) for s in samples if s.topic == name] for name in names}
 
     def _applies(self, fault: Fault, topic: str) -> bool:
         if topic in self._published:  # a monitor publishes what it has to say, or nothing
             return fault.name == "drop"
         messages = [message for own in self._samples(topic).values() for _, message in own[:1]]
         return fault.name not in ("bias", "scale") or any(map(is_number, messages))
-
-    def _delay_s(self, topic: str) -> float:
-        """Return half of the smallest age limit of a topic: a delay that nobody notices."""
-        limits = [
-            limit_of(monitor, name)
-            for monitor in self._wired
-            for name, reads in monitor.topics_read.items()
-            if topic in (read for read, _ in reads)
-        ]
-        limit_s = min(limits, default=math.inf)
-        return limit_s / 2 if math.isfinite(limit_s) else _USUAL_DELAY_S
 
     def _stretch(self, target: _Target, needed: int) -> tuple[int, int]:
         """Return begin and end of the first time that a claim is active for long enough, or any."""
@@ -225,7 +211,9 @@ class Injector:
             return bound_s, []
         losses: list[float] = []
         for phase in range(self._phases):
-            at = begin + round(_van_der_corput(phase, 2) * longest)
+            # of van der Corput: they fill a period evenly, however many there are
+            share = int(f"{phase:b}"[::-1], 2) / (1 << phase.bit_length())
+            at = begin + round(share * longest)
             if topic not in self._published:
                 at = next(iter(times[bisect_left(times, at) :]), end)
             onset = at if phase % 2 else self._recording.start
@@ -248,7 +236,7 @@ class Injector:
     def _bad(
         self, target: _Target, topic: str, stretch: tuple[int, int], patience: int
     ) -> Mapping[str, Any]:
-        """Return what a topic said before the claim was lost, if that alone ends it."""
+        """Return the messages of a topic before the claim was lost that alone end it."""
         if (target, topic) in self._bad_values:
             return self._bad_values[target, topic]
         (at, end_of_stretch), tried = stretch, set[str]()
@@ -256,11 +244,7 @@ class Injector:
         times = sorted({t for own in samples.values() for t, _ in own}, reverse=True)
         ends = [b for (_, was), (b, now) in pairwise(self._active[target]) if was and not now]
         for t in (t for end in ends for t in times if end - patience <= t <= end):
-            said = {
-                of: dict(own[: bisect_right(own, t, key=itemgetter(0))][-1:])
-                for of, own in samples.items()
-            }
-            bad = {of: message for of, own in said.items() for message in own.values()}
+            bad = {of: message for of, own in samples.items() for u, message in own if u <= t}
             if repr(bad) in tried or len(tried) == _MOST_VALUES:
                 continue
             tried.add(repr(bad))
@@ -277,8 +261,7 @@ class Injector:
         for number, (monitor, period) in enumerate(zip(self._wired, self._periods, strict=True)):
             claims = (self._times[effect][monitor.claim(id_)] for id_ in monitor.claims)
             bounds = [of[topic][0] for of in claims if topic in of and math.isfinite(of[topic][0])]
-            share = _van_der_corput(phase, _PRIMES[number % len(_PRIMES)])
-            offset = round(share * period)
+            offset = round(phase * math.sqrt(_PRIMES[number % len(_PRIMES)]) % 1 * period)
             if phase == 0:  # where the bound has it lose; what is bad comes right behind a step
                 lost = at + round((max(bounds, default=0.0) + more_s) * SECOND)
                 offset = lost - (effect != "silence") - self._recording.start
@@ -324,13 +307,3 @@ class Injector:
 def _holds(running: Any, output: Any, claim: str) -> bool:
     """Return whether a claim holds: of a hazard, whether it is known to be absent."""
     return running.decided(output)[claim] is (claim not in running.hazards)
-
-
-def _van_der_corput(number: int, base: int) -> float:
-    """Return the number of a sequence that fills [0, 1) evenly, however many of it are taken."""
-    share, digit = 0.0, 1.0
-    while number:
-        number, rest = divmod(number, base)
-        digit /= base
-        share += rest * digit
-    return share

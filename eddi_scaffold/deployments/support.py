@@ -204,7 +204,7 @@ def claims_read(
 def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ...]]:
     """Return for each claim the claims of other monitors that it rests on."""
     return {
-        claim: tuple(dict.fromkeys(one for of in inputs.values() for one in of))
+        claim: tuple(dict.fromkeys(below for of in inputs.values() for below in of))
         for claim, inputs in supports_of_inputs(participants).items()
     }
 

@@ -168,10 +168,12 @@ def monitor_of(
 
 def check_reactions(config: ConfigFile, facts: MonitorFacts) -> Iterator[Problem]:
     """Report unknown guarantees of ``Reactions``, and times that are missing (K003)."""
-    similar = SimilarNames([claim.id for claim in facts.claims if claim.id], "there are")
+    # one that rests on nothing cannot be lost
+    known = [claim.id for claim in facts.claims if claim.id and claim.rests_on]
+    similar = SimilarNames(known, "there are")
     for index, reaction in enumerate(config.config.Reactions):
         place, name = config.place("Reactions", index, "guarantee"), reaction.guarantee
-        if name not in {claim.id for claim in facts.claims}:
+        if name not in known:
             yield problem("K003.no_guarantee", place, hint=similar.hint(name), guarantee=name)
         elif reaction.reaction is None:
             yield problem("K003.no_reaction", place)

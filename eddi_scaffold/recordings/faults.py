@@ -12,6 +12,7 @@ from typing import Any
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
 from eddi_scaffold.recordings.node import SECOND
 
+_USUAL_DELAY_S = 0.1
 _KEPT = frozenset({"header", "stamp", "layout", "message_type"})  # what is no measurement
 
 
@@ -29,13 +30,13 @@ class Fault:
         return f"{self.name} {self.value:g}{unit}" if self.value else self.name
 
 
-def read_fault(text: str, delay_s: float) -> Fault:
-    """Return a fault of a configuration; ``delay_s`` is of one that does not say how long."""
+def read_fault(text: str) -> Fault:
+    """Return a fault of a configuration."""
     name, _, value = text.partition(" ")
     if value:
         unit = 1e-3 if value.endswith("ms") else 1.0
         return Fault(name, float(value.rstrip("ms ")) * unit)
-    return Fault(name, {"delay": delay_s}.get(name, 0.0))
+    return Fault(name, _USUAL_DELAY_S if name == "delay" else 0.0)
 
 
 def without_values(message: Any) -> Any:

@@ -230,7 +230,7 @@ def play(
 
     Args:
         monitors: they begin anew.
-        recording: what their nodes receive, beside what they tell each other.
+        recording: what their nodes receive, besides what they tell each other.
         silent: topic -> time after which nobody receives anything on it.
 
     Raises:

@@ -222,9 +222,9 @@ class EventModel(Model):
         """Return the events, each with the variables that it rests on."""
         claims = []
         for result in self.program.results:
-            polarity, found = "HAZARD" if result.hazard else "EVIDENCE", self._lags(result)
-            holds = held((name, lag.unknown) for name, lag in sorted(found.items()))
-            claims.append(Claim(result.id, frozenset(found), polarity=polarity, holds=holds))
+            polarity, lags_of = "HAZARD" if result.hazard else "EVIDENCE", self._lags(result)
+            holds = held((name, lag.unknown) for name, lag in sorted(lags_of.items()))
+            claims.append(Claim(result.id, frozenset(lags_of), polarity=polarity, holds=holds))
         return claims
 
     def _lags(self, result: Result) -> Mapping[str, Lag]:

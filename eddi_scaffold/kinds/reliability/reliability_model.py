@@ -171,7 +171,9 @@ class ReliabilityModel(kinds.Model):
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the thresholds: every input counts in the probability of failure."""
         ids = frozenset(input_.id for input_ in inputs)
-        return [Claim(threshold.id, ids) for threshold in self.data.thresholds]
+        # by the worst case of what is unknown they need not go away
+        holds = tuple((id_, None) for id_ in sorted(ids if self.data.worst_case else ()))
+        return [Claim(threshold.id, ids, holds=holds) for threshold in self.data.thresholds]
 
     def elements(self) -> Sequence[Element]:
         models = [(model.name, model.place) for model in self.data.used_models()]

@@ -150,9 +150,9 @@ class StateMachineModel(kinds.Model):
             for value in (values[trigger] for trigger in each.triggers if each.after is None):
                 if value.condition is None or value.is_absent:
                     continue
-                found = lags(value.condition, value.condition.results[0].operation, -1)
-                if found.keys() == {input_}:
-                    held_s = max(held_s, found[input_].unknown)
+                lags_of = lags(value.condition, value.condition.results[0].operation, -1)
+                if lags_of.keys() == {input_}:
+                    held_s = max(held_s, lags_of[input_].unknown)
                     ways[each.source].append(each.target)
         ends = (reached(ways, [state]).issubset(evidence.states) for state in evidence.states)
         return math.inf if any(ends) else held_s

@@ -136,6 +136,30 @@ def test_a_topic_that_is_not_needed_is_not_exercised(tmp_path: Path) -> None:
     assert "not exercised, accepted: one is enough" in done.out
 
 
+def test_words_of_another_robot_are_dropped_like_messages(tmp_path: Path) -> None:
+    files = {path.name: path.read_text() for path in (ROOT / "examples/two-robots").glob("*.yml")}
+    reaction = "{guarantee: Drive, ftti: 3 s, reaction: 1 s, faults: [drop, nan]}"
+    files["cart_config.yml"] += f"Reactions: [{reaction}]\n"
+    rows = "".join(f"{k / 10},true,true,true\n" for k in range(80))
+    files["r.csv"] = f"t,/arm/joints/at_rest,/arm/joints/braked,/cart/scanner/free\n{rows}"
+    folder = write_files(tmp_path, files)
+    done = run("-q", "inject", "deployment.yml", "--inputs", "r.csv", "--json", cwd=folder)
+    assert done.status == 0, done.err
+    rows_ = {(row["fault"], row["topic"]): row for row in json.loads(done.out)["rows"]}
+    assert ("nan", "/eddi/peers") not in rows_
+    assert rows_["drop", "/eddi/peers"]["measured_s"] == 1.1  # the lease and a period
+
+
+def test_what_cannot_be_lost_is_no_guarantee_of_reactions(tmp_path: Path) -> None:
+    robot = ROOT / "examples" / "warehouse-robot"
+    files = {path.name: path.read_bytes() for path in robot.iterdir() if path.is_file()}
+    files["robot.yml"] = files["robot.yml"].replace(
+        b"guarantee: FullSpeed", b"guarantee: StandStill"
+    )
+    done = run("inject", "robot.yml", "--inputs", "faults.csv", cwd=write_files(tmp_path, files))
+    assert (done.status, "no claim 'StandStill'" in done.err) == (2, True)
+
+
 SEEDS = 600 if settings.default.max_examples > 1000 else 5
 
 
