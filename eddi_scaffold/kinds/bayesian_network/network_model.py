@@ -23,6 +23,7 @@ from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, read_options
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
+from eddi_scaffold.kinds.bayesian_network.vectors import network_vectors
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -225,6 +226,9 @@ class NetworkModel(kinds.Model):
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)
+
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        return network_vectors(self.data, self.settings, inputs, about)
 
     def cross_check(self, running: Callable[[], Any]) -> kinds.CrossCheck:
         return cross_check.cross_check(self.data, self.settings, running)

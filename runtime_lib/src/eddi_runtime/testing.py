@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
+from functools import partial
 from itertools import zip_longest
 from types import SimpleNamespace
 from typing import Any, Callable, Dict, Iterator
@@ -20,21 +22,30 @@ def failures(file: str, monitor: Callable[[], Any], eddi_input: type[Any]) -> li
     with open(file, encoding="utf-8") as opened:  # noqa: PTH123 - as the rest of the runtime
         data = json.load(opened)
     class_ = _ConSertVectors if "guarantees" in data else _Vectors
-    return [*class_(data, monitor, eddi_input).failures()]
+    made = type(monitor())  # without methods of a person
+    logging.disable(logging.WARNING)  # of what is not foreseen, and tried on purpose
+    try:
+        return [*class_(data, made, eddi_input).failures()]
+    finally:
+        logging.disable(logging.NOTSET)
 
 
 class _Vectors:
     """Vectors of any kind: runs of steps, and messages that become too old."""
 
-    def __init__(self, data: Any, monitor: Callable[[], Any], eddi_input: type[Any]) -> None:
+    def __init__(self, data: Any, monitor: Callable[..., Any], eddi_input: type[Any]) -> None:
         self.data, self.monitor, self.eddi_input = data, monitor, eddi_input
         self.attributes = {row[0]: row[1] for row in data["inputs"]}
 
     def failures(self) -> Iterator[str]:
         yield from self.tables(self.monitor())
         for name, steps in self.data["runs"]:
-            monitor = self.monitor()
             values: Values = dict.fromkeys(self.attributes)
+            # what is no input is what a method gives that a person may write
+            keys = {key for _, given, _ in steps for key in given}.difference(self.attributes)
+            methods = {key[:-2]: partial(values.get, key) for key in keys}
+            hooks = SimpleNamespace(update_dra_data=lambda _: None, **methods)
+            monitor = self.monitor(hooks) if keys else self.monitor()
             expected: dict[str, Any] = {}
             for number, (t_ns, changes, results) in enumerate(steps, 1):
                 values.update(changes)
@@ -52,15 +63,17 @@ class _Vectors:
 
     def source(self, values: Values) -> SimpleNamespace:
         named = {}
-        for id_, value in values.items():
+        for id_, attribute in self.attributes.items():
+            value = values[id_]
             special = value["is"] if isinstance(value, dict) else None
             if special != "absent":
-                named[self.attributes[id_]] = value if special is None else _NO_JSON[special]
+                named[attribute] = value if special is None else _NO_JSON[special]
         return SimpleNamespace(**named)
 
     def messages(self) -> Iterator[str]:
         """Hand in messages of an age; what a person wrote is replaced."""
-        rows = [row for row in self.data["inputs"] if not row[7]]  # without an expression
+        # those of messages, and without an expression
+        rows = [row for row in self.data["inputs"] if row[2] and not row[7]]
         sources = {name: object() for row in self.data["inputs"] for name in row[2]}
         values: Values = {}
         methods: dict[str, Any] = {"setup": lambda _: None, "processed": lambda *_: None}
@@ -96,7 +109,7 @@ class _Vectors:
 class _ConSertVectors(_Vectors):
     """Vectors of a ConSert: a letter for each input and each guarantee."""
 
-    def __init__(self, data: Any, monitor: Callable[[], Any], eddi_input: type[Any]) -> None:
+    def __init__(self, data: Any, monitor: Callable[..., Any], eddi_input: type[Any]) -> None:
         super().__init__(data, monitor, eddi_input)
         self.values = {id_: {"T": t, "F": f, "U": None} for id_, f, t in data["states"]}
 

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import ast
 import itertools
 import json
 from collections import defaultdict
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import yaml
-from eddi_runtime.inputs import EDDIInputBase
-from eddi_runtime.testing import failures
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.consert.read_short import read_consert
 from eddi_scaffold.kinds.consert.vectors import ConSertVectors
-from eddi_scaffold.monitors.answers import VECTORS, files_of
 from eddi_scaffold.packages.assembly import monitors_of
+from tests.evidence.mutants import Mutated, mutants
 
 ROOT = Path(__file__).parents[3]
 DATA = ROOT / "tests" / "data" / "evidence" / "conserts.yml"
@@ -46,55 +42,6 @@ def test_vectors_are_those_of_the_definition(name: str) -> None:
         assert [sorted(cut) for cut in vectors.cuts[id_] or ()] == expected["cuts"]
 
 
-def mutants(text: str) -> Iterator[str]:
-    """Yield each text in which a single node is another one."""
-    for number in range(sum(1 for _ in ast.walk(ast.parse(text)))):
-        for k in itertools.count():
-            tree = ast.parse(text)
-            node = next(itertools.islice(ast.walk(tree), number, None))
-            if not changed(node, k):
-                break
-            yield ast.unparse(tree)
-
-
-def changed(node: Any, k: int) -> bool:
-    """Change a node in the k-th way; ``False`` where there is none."""
-    if isinstance(node, ast.Constant):
-        value = node.value
-        ways: list[Any] = []
-        if isinstance(value, bool) or value is None:
-            ways = [not value]
-        elif isinstance(value, int | float):
-            ways = [value + 1, value - 1, value * 1.001]
-        elif isinstance(value, str):
-            ways = [f"{value}x"]
-        if k < len(ways):
-            node.value = ways[k]
-        return k < len(ways)
-    if isinstance(node, ast.Compare):
-        kinds = (ast.Lt, ast.LtE, ast.Gt, ast.Eq, ast.NotEq, ast.Is, ast.IsNot)
-        others = [of for of in kinds if not isinstance(node.ops[0], of)]
-        if k < len(others):
-            node.ops[0] = others[k]()
-        return k < len(others)
-    if isinstance(node, ast.IfExp) and k < 2:
-        node.test = ast.Constant(bool(k))
-        return True
-    if isinstance(node, ast.Tuple) and isinstance(node.ctx, ast.Load) and len(node.elts) > 1:
-        if k < len(node.elts):
-            del node.elts[k]
-        elif k < 2 * len(node.elts) - 1:
-            at = k - len(node.elts)
-            node.elts[at : at + 2] = node.elts[at : at + 2][::-1]
-        else:
-            return False
-        return True
-    if isinstance(node, ast.Call) and k < len(node.keywords):
-        del node.keywords[k]
-        return True
-    return False
-
-
 RAW = (True, False, None, 1, float("nan"), "True")
 
 
@@ -110,53 +57,11 @@ def observed(monitor_class: Any) -> list[object]:
     return rows
 
 
-def input_class(of: Any) -> type[Any]:
-    """Return an ``EDDIInput`` as a package has it."""
-
-    class Input(EDDIInputBase):
-        def __init__(self) -> None:
-            for spec in of.inputs:
-                setattr(self, spec.attribute, spec.default)
-            super().__init__(of.inputs)
-
-        def processing(self, messages: Any) -> None:
-            self.begin_processing()
-            for spec in of.inputs:
-                method = getattr(self, f"process_{spec.attribute}")
-                self.update(spec.id, method, messages, spec.requires)
-
-    return Input
-
-
 def test_each_mutant_is_killed_or_proved_equal_by_exhaustion(tmp_path: Path) -> None:
     example = ROOT / "examples" / "two-conserts"
     models, configs = example / "two_conserts.xml", [example / "consert_a_config.yml"]
-    files = files_of(monitors_of(models, configs)[0][0])
-    vectors = tmp_path / "vectors.json"
-    vectors.write_bytes(files[VECTORS])
-    head, _, body = files["compiled.py"].decode().partition("\n# sha256 of the lines below")
-    body = body.partition("\n")[2]
-
-    def killed(text: str) -> tuple[bool, Any]:
-        scope: dict[str, Any] = {"__name__": "compiled", "__file__": "no file"}
-        try:
-            exec(f"{head}\n{text}", scope)
-            found = failures(str(vectors), scope["Monitor"], input_class(scope["Monitor"]))
-        except Exception:  # noqa: BLE001 - a mutant that cannot run is seen
-            return True, None
-        return bool(found), scope["Monitor"]
-
-    is_killed, original = killed(body)
-    assert not is_killed
-    expected, counts = observed(original), [0, 0]
-    for text in mutants(body):
-        if text == ast.unparse(ast.parse(body)):
-            continue
-        is_killed, mutant = killed(text)
-        counts[is_killed] += 1
-        is_about = "model_id" in text and (mutant and (mutant.model_id, mutant.digest)) != (
-            original.model_id,
-            original.digest,
-        )
-        assert is_killed or is_about or observed(mutant) == expected, text
-    assert counts[True] > 80
+    mutated = Mutated(monitors_of(models, configs)[0][0], tmp_path)
+    expected, survivors = observed(mutated.original), [*mutated.survivors()]
+    for change, mutant in survivors:
+        assert observed(mutant) == expected, change
+    assert sum(1 for _ in mutants(mutated.body)) - len(survivors) > 80
