@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -53,6 +54,27 @@ def age_row(
     if not is_watched or not isinstance(age, int | float):
         return None
     return [input_.id, given, [age, fresh], [math.nextafter(age, math.inf), late]]
+
+
+def age_rows(
+    inputs: Sequence[BoundInput],
+    given: Mapping[str, Any],
+    results: Callable[[Mapping[str, Any]], Mapping[str, Any] | None],
+) -> Iterator[list[object]]:
+    """Yield the row of each input with an age limit; others of the same message age as well.
+
+    ``results``: those of a step with such values, ``None`` where they depend on rounding.
+    """
+    ages = {of.id: of.max_age if isinstance(of.max_age, float) else math.inf for of in inputs}
+    for input_ in inputs:
+        also = [of.id for of in inputs if {*of.requires} & {*input_.requires}]
+        ends = [
+            results({**given, **{id_: None for id_ in also if is_late(ages[id_], ages[input_.id])}})
+            for is_late in (operator.lt, operator.le)
+        ]
+        fresh, late = ends
+        row = age_row(input_, given, fresh, late) if fresh and late else None
+        yield from [row] if row else []
 
 
 def changed(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import copy
 import itertools
 import math
-import operator
 import random
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,7 +19,7 @@ from eddi_scaffold.evidence.vectors import (
     Run,
     Step,
     TooMuchError,
-    age_row,
+    age_rows,
     changed,
     fitting_file,
     held,
@@ -338,19 +337,9 @@ class _Vectors:
                 seen.setdefault(states, {input_.id: value})
             yield from [[*seen.values(), {input_.id: None}]] if fed else []
 
-    def ages(self, first: Values) -> Iterator[list[object]]:
-        """Yield the row of each input with an age limit; others of the same message age as well."""
-        limits = {
-            of.id: of.max_age if isinstance(of.max_age, float) else math.inf for of in self.inputs
-        }
-        for input_ in self.inputs:
-            ends = []
-            also = [of.id for of in self.inputs if {*of.requires} & {*input_.requires}]
-            for is_late in (operator.lt, operator.le):
-                late = {id_: None for id_ in also if is_late(limits[id_], limits[input_.id])}
-                ends += [step.results for step in self.run("", [(0, {**first, **late})]).steps]
-            row = age_row(input_, first, *ends) if len(ends) == 2 else None
-            yield from [row] if row else []
+    def at_start(self, values: Values) -> Values | None:
+        """Return the results of a first step."""
+        return next((step.results for step in self.run("", [(0, values)]).steps), None)
 
     def cases(self, sources: Sequence[Sequence[Values]]) -> list[Values]:
         """Return all evidence, or some where it is too much."""
@@ -465,6 +454,7 @@ def network_vectors(
         for name, all_ in vectors.changes(first, cases)
         for k in range(0, len(all_), _STEPS)
     )
+    ages = age_rows(inputs, first, vectors.at_start)
     complete = len(cases) == math.prod(map(len, sources))
-    rows = itertools.chain[Run | list[object]](vectors.ages(first), runs)
+    rows = itertools.chain[Run | list[object]](ages, runs)
     return fitting_file(about, inputs, rows, complete=complete)
