@@ -25,6 +25,7 @@ from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Threshold, read_options
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
+from eddi_scaffold.kinds.bayesian_network.vectors import network_vectors
 from eddi_scaffold.kinds.bayesian_network.verify import verify
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
@@ -229,6 +230,9 @@ class NetworkModel(kinds.Model):
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)
+
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        return network_vectors(self.data, self.settings, inputs, about)
 
     def verify(self, emitted: Emitted) -> Iterator[str]:
         return verify(self.data, self.settings, emitted)

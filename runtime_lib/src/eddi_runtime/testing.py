@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
+from functools import partial
 from itertools import zip_longest
 from types import SimpleNamespace
 from typing import Any, Callable, Dict, Iterator
@@ -21,20 +23,26 @@ def failures(file: str, monitor: Callable[[], Any], eddi_input: type[Any]) -> li
     with open(file, encoding="utf-8") as opened:  # noqa: PTH123 - as the rest of the runtime
         data = json.load(opened)
     class_ = _ConSertVectors if "guarantees" in data else _Vectors
-    return [*class_(data, monitor, eddi_input).failures()]
+    made = type(monitor())  # without methods of a person
+    logging.disable(logging.WARNING)  # of what is not foreseen, and tried on purpose
+    try:
+        return [*class_(data, made, eddi_input).failures()]
+    finally:
+        logging.disable(logging.NOTSET)
 
 
 class _Vectors:
     """Vectors of any kind: runs of steps, and messages that become too old."""
 
-    def __init__(self, data: Any, monitor: Callable[[], Any], eddi_input: type[Any]) -> None:
+    def __init__(self, data: Any, monitor: Callable[..., Any], eddi_input: type[Any]) -> None:
         self.data, self.monitor, self.eddi_input = data, monitor, eddi_input
         self.attributes = {row[0]: row[1] for row in data["inputs"]}
+        self.now: Values = {}  # in a step
 
     def failures(self) -> Iterator[str]:
         yield from self.tables(self.monitor())
         for name, steps in self.data["runs"]:
-            monitor, other = self.monitor(), self.monitor()
+            monitor, other = self.new(steps), self.new(steps)
             yield from self.run(name, steps, monitor, other)
         if self.data["runs"]:
             other.reset()
@@ -42,11 +50,21 @@ class _Vectors:
         yield from self.messages()
         yield from self.expressions()
 
+    def new(self, steps: Any) -> Any:
+        """Return a monitor for steps, in which methods that a person may write give values."""
+        given = {key for _, *changes in steps if len(changes) > 1 for key in changes[0]}
+        keys = given.difference(self.attributes)
+        methods = {key[:-2]: partial(self.now.get, key) for key in keys}
+        hooks = SimpleNamespace(update_dra_data=lambda _: None, **methods)
+        return self.monitor(hooks) if keys else self.monitor()
+
     def run(self, name: str, steps: Any, monitor: Any, other: Any) -> Iterator[str]:
         """Compare the results of steps; another monitor beside it shares nothing."""
         unknown = dict.fromkeys(self.attributes)
         for number, (t_ns, values, expected, ages) in enumerate(_each(steps), 1):
-            source = self.source({**unknown, **values})
+            self.now.clear()
+            self.now.update(unknown, **values)
+            source = self.source(self.now)
             if ages:
                 source.states = {k: SimpleNamespace(age=age) for k, age in ages.items()}
             other.execute_step(SimpleNamespace(), t_ns)
@@ -63,13 +81,13 @@ class _Vectors:
             yield from _compared(name, rows, getattr(monitor, name))
 
     def source(self, values: Values) -> SimpleNamespace:
-        named = {self.attributes[id_]: _value(value) for id_, value in values.items()}
-        named = {name: value for name, value in named.items() if value is not _ABSENT}
-        return SimpleNamespace(**named)
+        named = {name: _value(values[id_]) for id_, name in self.attributes.items()}
+        return SimpleNamespace(**{k: value for k, value in named.items() if value is not _ABSENT})
 
     def messages(self) -> Iterator[str]:
         """Hand in messages of an age; what a person wrote is replaced."""
-        rows = [row for row in self.data["inputs"] if not row[7]]  # without an expression
+        # those of messages, and without an expression
+        rows = [row for row in self.data["inputs"] if row[2] and not row[7]]
         sources = {name: object() for row in self.data["inputs"] for name in row[2]}
         values: Values = {}
         replaced = self.replaced(values)
@@ -141,7 +159,7 @@ class _Vectors:
 class _ConSertVectors(_Vectors):
     """Vectors of a ConSert: a letter for each input and each guarantee."""
 
-    def __init__(self, data: Any, monitor: Callable[[], Any], eddi_input: type[Any]) -> None:
+    def __init__(self, data: Any, monitor: Callable[..., Any], eddi_input: type[Any]) -> None:
         super().__init__(data, monitor, eddi_input)
         self.values = {id_: {"T": t, "F": f, "U": None} for id_, f, t in data["states"]}
 
@@ -230,9 +248,9 @@ def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
 def _shown(monitor: Any, output: Any) -> Values:
     known = monitor.as_json(output)
     shown = {**(known if isinstance(known, dict) else {}), **monitor.series(output)}
-    if isinstance(output, list):
-        shown.update((f"{row['id']} is active", row["active"]) for row in output)
-    return shown
+    rows = output if isinstance(output, list) else ()
+    active = {f"{row['id']} is active": row["active"] for row in rows if isinstance(row, dict)}
+    return {**shown, **active}
 
 
 def _results(name: str, expected: Values, got: Values) -> Iterator[str]:
