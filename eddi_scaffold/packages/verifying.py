@@ -55,6 +55,11 @@ class Verified:
     # `proved`, `tested`, `not`, `trusted` -> what is so, in a line each
     evidence: Mapping[str, Sequence[str]]
 
+    @property
+    def is_tested(self) -> bool:
+        """Whether there are vectors, and all pass."""
+        return self.holds and bool(self.evidence["tested"])
+
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``verify --json``."""
         findings: list[JsonValue] = [of._asdict() for of in self.findings]
@@ -196,6 +201,7 @@ def _input_class(inputs: Sequence[Any]) -> type[Any]:
             self.begin_processing()
             for spec in inputs:
                 take = self.update_each if spec.every_message else self.update
+                take = self.update_expression if spec.expression else take
                 take(spec.id, getattr(self, f"process_{spec.attribute}"), messages, spec.requires)
 
     return Input

@@ -116,7 +116,8 @@ class Report:
             key = ("testcase", package, "vectors")
             claims = [c for c, support in self.support.items() if support.package == package]
             links = {"of": [self._claim_key(claim) for claim in claims]}
-            items[key] = Item(key, of.tested, state_of(of), links, of.source, of.sha256)
+            tested = ", ".join(of.evidence["tested"][:1])
+            items[key] = Item(key, tested, state_of(of), links, of.model, of.sha256)
         return [*items.values()]
 
     @cached_property
@@ -149,8 +150,8 @@ class Report:
     def _argument(self, of: str, row: HazardRow, support: ClaimSupport) -> Iterator[Node]:
         claim, verified = support.claim, self.verified.get(support.package)
         reactions, url = self.reactions_of(claim), f"report.html#{support.package}"
-        proof = "" if verified is None or verified.findings else "; ".join(verified.proved)
-        tested = "" if verified is None or verified.failed else verified.tested
+        evidence = verified.evidence if verified is not None and verified.holds else {}
+        proof, tested = ("; ".join(evidence.get(word, ())) for word in ("proved", "tested"))
         late = [reaction for reaction in reactions if reaction.verdict != "met"]
         in_time = f"{len(reactions)} faults" if reactions and not late else ""
         body = "hand-written bodies provide what their input means"
@@ -162,7 +163,7 @@ class Report:
         ]
         top = f"{claim} is withdrawn in time when its evidence is gone ({row.item.title})"
         yield Node(f"G1_{of}", "goal", top, [f"S1_{of}"], [f"C1_{of}"])
-        digest = f"{verified.source} (sha256 {verified.sha256})" if verified is not None else ""
+        digest = f"{verified.model} (sha256 {verified.sha256})" if verified is not None else ""
         yield Node(f"C1_{of}", "context", digest or "its package was not looked at")
         yield Node(f"S1_{of}", "strategy", "text and time", [f"{id_}_{of}" for id_, *_ in goals])
         for id_, text, solution, shown in goals:
@@ -179,9 +180,9 @@ class Report:
             differs = [f"compiled.py:{finding.line}: {finding.text}" for finding in of.findings]
             cases = [Case(package, "verify", "; ".join(differs))]
             for name in self.tests.get(package, ()):
-                failed = [line for line in of.failed if name in line]
+                failed = [line for line in of.evidence["tested"][1:] if name in line]
                 cases.append(Case(f"{package}.vectors", name, "; ".join(failed)))
-            cases += [Case(package, line, "", "written by hand") for line in of.by_hand]
+            cases += [Case(package, line, "", "written by hand") for line in of.evidence["not"]]
             suites[package] = ({"model_sha256": of.sha256}, cases)
         return suites
 
@@ -192,4 +193,4 @@ def state_of(of: Verified) -> str:
         return "differs"
     if of.findings:
         return "not proved"
-    return "failed" if of.failed else "proved, tested" if of.tested else "proved"
+    return "failed" if not of.holds else "proved, tested" if of.is_tested else "proved"

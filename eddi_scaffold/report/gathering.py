@@ -49,8 +49,8 @@ def gathered(
     known = {
         package: Verification(
             is_proved=not of.findings,
-            is_tested=bool(of.tested) and not of.failed,
-            result=of.tested,
+            is_tested=of.is_tested,
+            result=", ".join(of.evidence["tested"][:1]),
         )
         for package, of in results.items()
     }

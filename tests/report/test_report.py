@@ -77,7 +77,7 @@ def test_the_page_needs_nothing_else(robot: Path) -> None:
     assert parsed.loaded == set()
     assert {link.removeprefix("#") for link in parsed.links} <= parsed.ids
     assert "<script" not in text
-    assert not re.search(r"url\(|@import|https?://(?!www\.w3\.org/)", text)
+    assert not re.search(r"url\((?!#)|@import|https?://(?!www\.w3\.org/)", text)
     assert len(text) < 100_000
     assert states["HAZARD_HITSPERSON"] == "linked, proved, tested, in time"
     assert states["HAZARD_LOSESLOAD"] == "unlinked"
@@ -134,7 +134,7 @@ def test_what_is_gone_turns_its_rows(robot: Path) -> None:
     compiled = robot / "monitors" / "lidar" / "compiled.py"
     compiled.write_text(compiled.read_text("utf-8").replace("1.5", "1.4"), "utf-8")
     turned = changed(robot)
-    assert turned["TESTCASE_LIDAR_VECTORS"][1] == "differs"
+    assert turned["TESTCASE_LIDAR_VECTORS"][1] in ("differs", "not proved")
     assert turned["HAZARD_HITSPERSON"][1] == "linked, stale"
     assert "TESTCASE_POWER_VECTORS" not in turned
 
