@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.problems import SimilarNames
 from eddi_scaffold.common.units import converted, dimension, factor, root, word
-from eddi_scaffold.conditions.graph import COMPARISONS, At, GraphBuilder, capacity
+from eddi_scaffold.conditions.definition import COMPARISONS
+from eddi_scaffold.conditions.graph import At, GraphBuilder, capacity
 from eddi_scaffold.conditions.lists import Elements, elements_of, reduced
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Scope, Type, arguments_of, result_of
 from eddi_scaffold.conditions.syntax import OPERATORS, EventDeclaration, File, SyntaxNode, word_of

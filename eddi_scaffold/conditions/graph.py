@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from operator import add, eq, ge, gt, le, lt, mul, ne, sub
-from typing import Any
+from collections.abc import Iterable, Sequence
 
+from eddi_scaffold.conditions.definition import TRUTHS, combined
 from eddi_scaffold.conditions.syntax import OPERATORS
 from eddi_scaffold.program.instructions import (
     BOOL,
@@ -14,6 +12,7 @@ from eddi_scaffold.program.instructions import (
     ENUM,
     NUMBER,
     SIGNATURES,
+    STARTS,
     WINDOWS,
     Operation,
     Program,
@@ -49,8 +48,14 @@ class GraphBuilder:
     def operation(self, op: str, args: Sequence[int], at: At) -> int:
         """Add an operation, or a constant where its value is the same in every step."""
         if op in _FOLDED and all(self.is_constant(k) for k in args):
-            constant = "truth" if SIGNATURES[op][1] == BOOL else "number"
-            return self.leaf(constant, _folded(op, [self.operations[k].value for k in args]), at)
+            rows = [self.operations[k] for k in args]
+            value = combined(op, [TRUTHS[r.value] if r.op == "truth" else r.value for r in rows])
+            is_truth = SIGNATURES[op][1] == BOOL
+            return (
+                self.leaf("truth", TRUTHS.index(value), at)
+                if is_truth
+                else self.leaf("number", value, at)
+            )
         return self._add(Operation(op, tuple(args), "", at=at))
 
     def window(self, op: str, arg: int, length: int, coverage: float | None, at: At) -> int:
@@ -156,41 +161,5 @@ def capacity(length: int, period: int) -> int:
     return 1 << (2 * -(-length // period) + 7).bit_length()
 
 
-COMPARISONS: Mapping[str, Callable[[Any, Any], bool]]
-COMPARISONS = {"lt": lt, "le": le, "gt": gt, "ge": ge, "eq": eq, "ne": ne}
-_ARITHMETIC: Mapping[str, Callable[..., float]] = {
-    "add": add,
-    "sub": sub,
-    "mul": mul,
-    "div": lambda a, b: a / b if b else math.nan,
-    "neg": lambda a: -a,
-    "abs": abs,
-    "sqrt": lambda a: math.sqrt(a) if a >= 0 else math.nan,
-    "least": min,
-    "greatest": max,
-}
-_TRUTHS: Mapping[str, Callable[..., int]] = {
-    "and": min,
-    "or": max,
-    "not": lambda a: 2 - a,
-    "implies": lambda a, b: max(2 - a, b),
-    **{op: lambda a, b: 1 if 1 in (a, b) else a ^ b for op in ("xor", "ne_bool")},
-    "eq_bool": lambda a, b: 1 if 1 in (a, b) else 2 - (a ^ b),
-    "known_enum": lambda _: 2,
-    "eq_enum": lambda a, b: 2 * (a == b),
-    "ne_enum": lambda a, b: 2 * (a != b),
-    "known": lambda a: 2 * (a is not None),
-    "known_bool": lambda a: 2 * (a != 1),
-}
-"""0 is FALSE, 1 UNKNOWN, 2 TRUE; an UNKNOWN number is None."""
-_FOLDED = {*_TRUTHS, *COMPARISONS, *_ARITHMETIC}
+_FOLDED = SIGNATURES.keys() - {*WINDOWS, *STARTS, "age"}
 """What gives the same value in every step when its operands do."""
-
-
-def _folded(op: str, args: Sequence[Any]) -> float | None:
-    if op in _TRUTHS:
-        return _TRUTHS[op](*args)
-    if op in COMPARISONS:
-        return 1 if None in args else 2 * COMPARISONS[op](*args)
-    value = math.nan if None in args else _ARITHMETIC[op](*args)
-    return value if math.isfinite(value) else None

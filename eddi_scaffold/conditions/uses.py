@@ -11,7 +11,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.common.claims import Holds, Use
-from eddi_scaffold.conditions.graph import COMPARISONS
+from eddi_scaffold.conditions.definition import COMPARISONS
 from eddi_scaffold.program.instructions import BOOL, Operation, Program, Read
 
 _TURNED = {"lt": "gt", "le": "ge", "gt": "lt", "ge": "le"}

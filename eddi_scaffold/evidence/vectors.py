@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -82,3 +82,39 @@ def _input_row(input_: BoundInput) -> Iterator[object]:
     yield from (input_.id, input_.attribute, [*input_.requires], input_.max_age, factor)
     yield from (input_.default, input_.every_message, input_.expression is not None)
     yield from ([*input_.accepts], [[*claim] for claim in input_.claims])
+
+
+def run_row(run: Any, results: Callable[[Any], Mapping[str, Any]]) -> list[object]:
+    """Return the row of a run of a condition: in each step what changes.
+
+    ``[until, period]`` are steps in which nothing changes; a fourth element are ages.
+    """
+    rows: list[list[Any]] = []
+    values: Mapping[str, Any] = {}
+    told: Mapping[str, Any] = {}
+    ages: Mapping[str, int] = dict.fromkeys(run.steps[0].ages, 0)
+    t = run.steps[0].t
+    for given, result in zip(run.steps, run.results, strict=True):
+        expected, period = results(result), given.t - t
+        pairs = (values, given.values), (told, expected), (ages, given.ages)
+        changes = [
+            {name: _said(raw) for name, raw in now.items() if before.get(name, before) is not raw}
+            for before, now in pairs
+        ]
+        if any(changes) or period <= 0:
+            rows.append([given.t, *(changes if changes[2] else changes[:2])])
+        elif len(rows[-1]) == 2 and rows[-1][1] == period:
+            rows[-1][0] = given.t
+        else:
+            rows.append([given.t, period])
+        values, told, ages, t = given.values, expected, given.ages, given.t
+    return [run.shows, rows]
+
+
+def _said(raw: Any) -> Any:
+    """Return a value as JSON says it."""
+    if isinstance(raw, list):
+        return [*map(_said, raw)]
+    if isinstance(raw, float) and not math.isfinite(raw):
+        return {"is": str(raw)}
+    return {"is": "object"} if type(raw) is object else raw

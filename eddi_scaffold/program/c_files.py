@@ -70,7 +70,8 @@ def _read(file: str) -> str:
     return files(__package__).joinpath(file).read_text("utf-8")
 
 
-def _filled(file: str, **texts: str) -> str:
+def filled(file: str, **texts: str) -> str:
+    """Return the text of a file of this package with names replaced."""
     return Template(_read(file)).substitute(texts)
 
 
@@ -126,7 +127,7 @@ def _header(model: StandaloneMonitor) -> str:
         f"* v_{word}: {model.describe(k)}; {_UNKNOWN[model.program.reads[k].type]} is UNKNOWN"
         for k, word in enumerate(model.variables)
     )
-    return _filled(
+    return filled(
         "monitor.h",
         banner=_banner(model, "3. Types: do not edit"),
         guard=guard,
@@ -158,7 +159,7 @@ def _implementation(model: StandaloneMonitor) -> str:
     for k, operation in enumerate(operations):
         reset += [f"m->w{k}.overflows = 0u;"] if operation.capacity else []
         reset += [f"m->c{k}.overflows = 0u;"] if operation.coverage is not None else []
-    return _filled(
+    return filled(
         "monitor.c",
         banner=_banner(model, "2. Functions: do not edit"),
         name=name,
@@ -240,7 +241,7 @@ def _main(model: StandaloneMonitor) -> str:
         f"    *t_ns += {int64(period)};",
         f"    return *t_ns < {int64(10 * period)};",
     ]
-    return _filled(
+    return filled(
         "main.c",
         banner=_banner(model, "1. Variables, 4. Main: edit between the markers only"),
         name=name,

@@ -10,7 +10,7 @@ import yaml
 
 from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.definition import History, Sample
-from eddi_scaffold.conditions.samples import Drawing, Given
+from eddi_scaffold.conditions.samples import Drawing
 from eddi_scaffold.program.instructions import Program
 from eddi_scaffold.program.running import Engine
 from tests.conditions.formulas import recording
@@ -26,11 +26,6 @@ def program_of(text: str, rate: float) -> Program:
     program = analyse(text, rate=rate).program
     assert program is not None
     return program
-
-
-def seen(given: Given) -> Sample:
-    stamps = {name: given.t - age for name, age in given.ages.items()}
-    return Sample(given.t, given.raws, stamps)
 
 
 def text_of_form(form: Any) -> str:
@@ -62,7 +57,7 @@ def test_verdicts_and_changes_are_those_of_the_definition(name: str) -> None:
     for mutant in case["mutants"]:
         changed = program_of(f"{head}EVENT e := {text_of_form(mutant['form'])}", rate)
         assert verdicts(changed) == mutant["verdicts"]
-        histories = ((History(changed, [*map(seen, run.steps)]), run) for run in runs)
+        histories = ((History(changed, run.steps), run) for run in runs)
         assert any(
             value != other
             for history, run in histories
@@ -74,7 +69,10 @@ def test_random_events_are_by_definition() -> None:
     for seed in range(batches()):
         analysis = analysis_of(text_of(seed))
         steps = recording(random.Random(1000 + seed), STEPS)
-        samples = [Sample(step.t, step.values, step.stamps) for step in steps]
+        samples = [
+            Sample(step.t, step.values, {n: step.t - stamp for n, stamp in step.stamps.items()})
+            for step in steps
+        ]
         history, engine = History(analysis.program, samples), Engine(analysis.program)
         names = [read.name for read in analysis.program.reads]
         for step, verdicts in zip(steps, history.results(), strict=True):

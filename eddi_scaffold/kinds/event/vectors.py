@@ -8,8 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.conditions.samples import Drawing, in_turn
-from eddi_scaffold.evidence.runs import rows_of
-from eddi_scaffold.evidence.vectors import MOST_BYTES, text, vectors_file
+from eddi_scaffold.evidence.vectors import MOST_BYTES, run_row, text, vectors_file
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
@@ -40,7 +39,7 @@ def event_vectors(
     }
     size = len(vectors_file(about, inputs, lists, complete=False)) + 1000
     for number, run in in_turn(drawings):
-        row = [run.shows, rows_of(run, partial(_results, program.results[number]))]
+        row = run_row(run, partial(_results, program.results[number]))
         size += len(text(row).encode()) + 10
         if size > MOST_BYTES:
             break

@@ -44,19 +44,14 @@ class _Vectors:
 
     def run(self, name: str, steps: Any, monitor: Any, other: Any) -> Iterator[str]:
         """Compare the results of steps; another monitor beside it shares nothing."""
-        values: Values = dict.fromkeys(self.attributes)
-        expected: dict[str, Any] = {}
-        ages: dict[str, int] = {}  # in nanoseconds
-        for number, (t_ns, changes, results, *late) in enumerate(_each(steps), 1):
-            values.update(changes)
-            expected.update(results)
-            ages.update(*late)
-            source = self.source(values)
+        unknown = dict.fromkeys(self.attributes)
+        for number, (t_ns, values, expected, ages) in enumerate(_each(steps), 1):
+            source = self.source({**unknown, **values})
             if ages:
-                source.states = {k: SimpleNamespace(age=ns / 1e9) for k, ns in ages.items()}
+                source.states = {k: SimpleNamespace(age=age) for k, age in ages.items()}
             other.execute_step(SimpleNamespace(), t_ns)
-            output = monitor.execute_step(source, t_ns)
-            yield from _results(f"{name}, step {number}", expected, _shown(monitor, output))
+            shown = _shown(monitor, monitor.execute_step(source, t_ns))
+            yield from _results(f"{name}, step {number}", expected, shown)
 
     def tables(self, monitor: Any) -> Iterator[str]:
         """Compare what is no function of the inputs."""
@@ -96,15 +91,15 @@ class _Vectors:
                 made.processing(sources)
                 monitor = self.monitor()
                 outputs = [monitor.execute_step(made, 0) for _ in range(self.data["steps"])]
-                yield from _results(
-                    f"{id_} at the age {age}", results, _shown(monitor, outputs[-1])
-                )
+                shown = _shown(monitor, outputs[-1])
+                yield from _results(f"{id_} at the age {age}", results, shown)
 
     def replaced(self, values: Values, computed: str = "") -> type[Any]:
         """Return an ``EDDIInput`` with these values, but for the input that is computed."""
 
         def process(own: Any, id_: str) -> None:
-            value = own.expression(id_) if id_ == computed else values[id_]
+            other = values.get(id_, values.get(self.attributes[id_]))
+            value = own.expression(id_) if id_ == computed else other
             setattr(own, self.attributes[id_], value)
 
         methods: dict[str, Any] = {"setup": lambda _: None, "processed": lambda *_: None}
@@ -113,23 +108,31 @@ class _Vectors:
         return type("Replaced", (self.eddi_input,), methods)
 
     def expressions(self) -> Iterator[str]:
-        """Compare what expressions give for messages of their own."""
-        for id_, runs in self.data.get("expressions", ()):
+        """Compare what expressions give; messages answer what is asked for with given values."""
+        now: Values = {}
+        for id_, fields, runs in self.data.get("expressions", ()):
+            names = {json.dumps(asked): name for name, asked in fields.items()}
+
+            def field(_: Any, messages: Values, *asked: Any, names: Any = names) -> Any:
+                there = messages.get(asked[0]) is not None
+                return _value(now[names[json.dumps(asked)]]) if there else None
+
+            specs = [*self.monitor().inputs]
+            number = [spec.id for spec in specs].index(id_)
+            asking = type("Asking", (specs[number].expression,), {"field": field})
+            specs[number] = specs[number]._replace(expression=asking)
             for name, steps in runs:
-                messages = {of: object() for row in self.data["inputs"] for of in row[2]}
-                values: Values = dict.fromkeys(self.attributes)
-                made = self.replaced(values, id_)()
-                expected: Values = {}
-                ages: dict[str, int] = {}  # in nanoseconds
-                for number, (t_ns, changes, results, *late) in enumerate(_each(steps), 1):
-                    for of, said in changes.items():
-                        (values if of in values else messages)[of] = _value(said)
-                    expected.update(results)
-                    ages.update(*late)
-                    made.begin_step({of: ns / 1e9 for of, ns in ages.items()}, t_ns=t_ns)
-                    made.processing(messages)
-                    got = {"value": getattr(made, self.attributes[id_])}
-                    yield from _results(f"{id_}: {name}, step {number}", expected, got)
+                made = self.replaced(now, id_)()
+                made.bind(specs)
+                for k, (t_ns, values, expected, ages) in enumerate(_each(steps), 1):
+                    now.update(values)
+                    sources = [of for spec in specs for of in spec.requires]
+                    made.begin_step(ages, t_ns=t_ns)
+                    made.processing(
+                        {of: object() for of in sources if now.get(f"{of} is there", 1)}
+                    )
+                    shown = {"value": getattr(made, self.attributes[id_])}
+                    yield from _results(f"{id_}: {name}, step {k}", expected, shown)
 
     def given(self, values: Any) -> Values:
         return {**dict.fromkeys(self.attributes), **values}
@@ -193,26 +196,29 @@ class _ConSertVectors(_Vectors):
         yield from _compared(f"{name}: inputs", words, monitor.input_verdicts())
 
 
-def _each(rows: Any) -> Iterator[Any]:
-    """Yield steps; ``[until, period]`` are steps in which nothing changes."""
+def _each(rows: Any) -> Iterator[tuple[int, Values, Values, dict[str, float]]]:
+    """Yield time, values, results and ages in seconds; each is as before where nothing is said.
+
+    ``[until, period]`` are steps in which nothing changes.
+    """
+    kept: tuple[Values, Values, dict[str, int]] = ({}, {}, {})
     t = 0
-    for row in rows:
-        if len(row) == 2:
-            yield from ((k, {}, {}) for k in range(t + row[1], row[0] + 1, row[1]))
+    for end, *changes in rows:
+        times = [end]
+        if len(changes) == 1:
+            times = [*range(t + changes[0], end + 1, changes[0])]
         else:
-            yield row
-        t = row[0]
+            for now, new in zip(kept, changes):
+                now.update(new)
+        for t in times:
+            yield t, *kept[:2], {name: ns / 1e9 for name, ns in kept[2].items()}
 
 
 def _value(said: Any) -> Any:
-    """Return what JSON says, also what it cannot say; a dict is a message."""
+    """Return what JSON says, also what it cannot say."""
     if isinstance(said, list):
         return [_value(each) for each in said]
-    if not isinstance(said, dict):
-        return said
-    if "is" in said:
-        return _NO_JSON[said["is"]]
-    return SimpleNamespace(**{name: _value(each) for name, each in said.items()})
+    return _NO_JSON[said["is"]] if isinstance(said, dict) else said
 
 
 def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
