@@ -26,6 +26,7 @@ from eddi_scaffold.evidence.vectors import (
     age_rows,
     changed,
     fitting_file,
+    text,
 )
 from eddi_scaffold.kinds.reliability.system import (
     DYNAMIC,
@@ -181,6 +182,8 @@ class _Chain:
             worst = max(states or self.fail, key=lambda k: (self.ahead(longest)[k], -k))
             self.beliefs += left or [self.sure_of(worst)]
             wrong = wrong and not left
+        if all(belief == self.beliefs[0] for belief in self.beliefs):
+            del self.beliefs[1:]
         return wrong
 
 
@@ -521,6 +524,10 @@ class _Input(NamedTuple):
         return value if self.factor is None else value * 0.999 * self.factor[1] / self.factor[0]
 
 
+def _merged(values: Iterable[Values]) -> Values:
+    return {key: value for each in values for key, value in each.items()}
+
+
 def _above(number: float) -> float:
     return math.nextafter(number, math.inf)
 
@@ -628,18 +635,20 @@ class _Vectors:
         """Return the results of a first step."""
         return next((step.results for step in self.run("", [(0, values)]).steps), None)
 
-    def patterns(self) -> list[Values]:
+    def patterns(self) -> tuple[list[Values], bool]:
         """Return observations at the start: all, or those that differ from the usual in one."""
-        sources = [
-            [{id_: of.given(v)} for v in (of.usual, *(v for v in of.tried if v != of.usual))]
-            + [{id_: None}]
-            for id_, of in self.inputs.items()
-        ]
+        sources: list[list[Values]] = []
+        for id_, of in self.inputs.items():
+            seen: dict[str, Values] = {}
+            for value in (*map(of.given, (of.usual, *of.tried)), None):
+                seen.setdefault(text(self.at_start({**self.base, id_: value})), {id_: value})
+            sources.append([*seen.values()])
         rows: Iterable[Sequence[Values]] = itertools.product(*sources)
-        if math.prod(map(len, sources)) > _PATTERNS:
+        is_all = math.prod(map(len, sources)) <= _PATTERNS
+        if not is_all:
             rows = ([one] for of in sources for one in of)
-        few = itertools.islice(rows, _PATTERNS)
-        return [{key: v for of in (self.base, *row) for key, v in of.items()} for row in few]
+        merged = (_merged([self.base, *row]) for row in itertools.islice(rows, _PATTERNS))
+        return [*merged], is_all
 
     def changes(self, patterns: Sequence[Values]) -> Iterator[tuple[str, Changes]]:
         """Yield the name of each run and what changes in it."""
@@ -651,7 +660,7 @@ class _Vectors:
         for id_, of in self.inputs.items():
             usual, odd = base[id_], [*map(of.given, of.tried)]
             rows = {
-                "value": enumerate([usual, *_ODD, usual, *odd, usual]),
+                "value": enumerate([*(v for of in _ODD for v in (usual, of)), usual, *odd, usual]),
                 "missed": enumerate([usual, None, usual, usual, odd[0], None, usual, usual]),
             }
             for name, row in rows.items():
@@ -711,13 +720,16 @@ def system_vectors(
         vectors = _Vectors(system, inputs)
 
         def rows() -> Iterator[Run | list[object]]:
-            patterns = vectors.patterns()
-            for row in vectors.changes(patterns):
-                run = vectors.run(*row)
+            patterns, is_all = vectors.patterns()
+            for name, changes in vectors.changes(patterns):
+                run = vectors.run(name, changes)
+                is_all = is_all and len(run.steps) == len(changes)
                 yield from [run] if run.steps else []
                 if vectors.work > _MOST_WORK:
                     raise TooMuchError
             yield from age_rows(inputs, vectors.base, vectors.at_start)
+            if not is_all:
+                raise TooMuchError
 
         return fitting_file(about, inputs, rows(), complete=True)
     return ""
