@@ -68,6 +68,22 @@ def write_bag(path: Path) -> None:
             bag.write(connections[topic], START_NS + round(t * 1e9), bytes(data))
 
 
+def write_faults(path: Path) -> None:
+    """Write what each topic says, good at first; then one after the other says what is bad."""
+    good = {"nearest": 6.0, "matched": 0.93, "slip": 0.01, "battery_level": 80.0}
+    good["drives_available"] = 4
+    bad = {"nearest": 0.9, "matched": 0.4, "slip": 0.2, "battery_level": 5.0}
+    bad["drives_available"] = 2
+    lines = [",".join(["t", *good, "frame"])]
+    for step, frame in enumerate(frames(9, iter([APPROVED] * 160))):
+        turn, rest = divmod(step - 60, 20)  # two seconds for each, from the sixth on
+        values = dict(good)
+        if turn in range(len(good)) and rest < 5:
+            values[list(good)[turn]] = bad[list(good)[turn]]
+        lines.append(",".join(map(str, [step / 10, *values.values(), " ".join(map(str, frame))])))
+    path.write_text("\n".join(lines) + "\n")
+
+
 def write_reference(path: Path) -> None:
     """Write the frames of approved aisles."""
     rows = frames(7, iter([APPROVED] * 1000))
@@ -77,5 +93,6 @@ def write_reference(path: Path) -> None:
 
 if __name__ == "__main__":
     write_reference(ROBOT / "reference_sample.csv")
+    write_faults(ROBOT / "faults.csv")
     (ROBOT / "shift.bag").unlink(missing_ok=True)
     write_bag(ROBOT / "shift.bag")

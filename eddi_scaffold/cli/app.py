@@ -15,9 +15,11 @@ from eddi_scaffold.cli import (
     connect,
     event,
     generate,
+    inject,
     learning,
     models,
     packages,
+    report,
     run,
     watch,
 )
@@ -99,12 +101,19 @@ _GROUPS: dict[str, list[Callable[..., None]]] = {
         connect.parse_rossystem,
         packages.regions,
         packages.status,
-        packages.verify,
         packages.upgrade,
         watch.watch,
         learning.explain,
     ],
-    "Models": [models.diagram, models.compose, models.export, event.event, packages.trace],
+    "Models": [
+        models.diagram,
+        models.compose,
+        models.export,
+        event.event,
+        packages.trace,
+        report.report,
+    ],
+    "Evidence": [packages.verify, inject.inject, report.report],
     "Old packages, git and Copier": [packages.adopt, generate.answers],
 }
 COMMANDS = {

@@ -240,7 +240,7 @@ def trace(
     """
     from eddi_scaffold.deployments.lifetimes import bounds
     from eddi_scaffold.deployments.support import acceptances, facts_of_package
-    from eddi_scaffold.packages.tracing import COLUMNS, hazard_rows, trace_of
+    from eddi_scaffold.packages.tracing import COLUMNS, hazard_trace, trace_of
     from eddi_scaffold.packages.upgrading import groups
 
     if as_json and as_csv:
@@ -252,7 +252,8 @@ def trace(
     wired = [wire for wire in facts if wire is not None]
     accepted, limits = acceptances(wired), bounds(wired)
     folders = [group.root / name for group in chosen for name in group.present]
-    rows = hazard_rows(model, wired, folders) if model is not None else []
+    followed = hazard_trace(model, wired, folders) if model is not None else None
+    rows = [*followed.rows.values()] if followed is not None else []
     support = {of.claim: of for row in rows for of in row.support}.values()
     if as_json:
         more = {"hazards": [row.as_json() for row in rows], "support": [*map(asdict, support)]}

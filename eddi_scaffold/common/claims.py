@@ -8,7 +8,8 @@ the kinds, which know what their messages mean, and by the check of the wiring b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -69,6 +70,17 @@ class Claim:
     hold_s: float = 0.0  # seconds for which it may outlive its inputs, by what its options accept
     polarity: str = ""  # of an event, `EVIDENCE` or `HAZARD`; empty for others
     gates: tuple[str, ...] = ()  # of the model, between its inputs and it
+    # inputs that it may outlive for longer: by windows, by what their keys accept; `None` for ever
+    holds: tuple[tuple[str, float | None], ...] = ()
+
+    def held_s(self, input_: str) -> float:
+        """Return for how many seconds it may outlive an input, beyond ``hold_s``."""
+        return sum(math.inf if s is None else s for name, s in self.holds if name == input_)
+
+
+def held(seconds: Iterable[tuple[str, float]]) -> tuple[tuple[str, float | None], ...]:
+    """Return input and seconds as the ``holds`` of a claim, without those that are zero."""
+    return tuple((id_, None if math.isinf(s) else s) for id_, s in seconds if s)
 
 
 @dataclass(frozen=True)

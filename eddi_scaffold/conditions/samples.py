@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from eddi_scaffold.program.instructions import Operation, Program, Read
     from eddi_scaffold.program.lists import Reduction
 
-_TRIES = 120  # for each fault
-_MOST_WORK = 400_000  # values that are computed for one result
+_TRIES = 80  # for each fault
+_MOST_WORK = 800_000  # values that are computed for one result
 _MOST_STEPS = 600  # of a run
 _ERROR = 1e-11  # of sums that are rounded, above that of any way to add up
 _ALIKE = (
@@ -32,6 +32,7 @@ _ALIKE = (
     ("average", "sum", "max", "min", "median", "stddev", "rate"),
     tuple(f"list_{op}" for op in ("min", "max", "median", "sum", "average", "stddev")),
 )
+_ARITHMETIC = ("add", "sub", "mul", "div", "sum")
 _STATEFUL = ("rise", "fall", "edge", "latch", "hysteresis", "elapsed")
 _ENDS = (-math.inf, math.inf)
 _ODD = (None, math.nan, *_ENDS, object(), True, "1")
@@ -86,6 +87,7 @@ class Drawing:
         self.above = [[n for n in number_of if k in rests[n] and k != n] for k in number_of]
         self.random = random.Random(program.results[number].id).random  # noqa: S311 - always alike
         self.complete, self.missed, self.work = False, "", 0
+        self.known: dict[str, list[Mapping[str, Any]]] = {}  # result -> values that gave it
         used = sorted({row.value for row in rows if row.op in ("variable", "age")})
         self.reads = [program.reads[k] for k in used]
         self.pools = {name: self._in_unit(name, *pools) for name, pools in self._pools()}
@@ -95,7 +97,11 @@ class Drawing:
         self.deltas = [period, *self.jumps, *lengths, *(n - period for n in lengths if n > period)]
         most = max([0, *lengths]) * 3 // _MOST_STEPS
         self.fillers = [n for n in (period, 2 * period) if n > most] + [self.jumps[0]]
-        limits = {read.timeout for read in self.reads if read.timeout is not None}
+        timed = [row.value for row in rows if row.op == "number" and row.value is not None]
+        timed = timed if {"age", "elapsed"} & {row.op for row in rows} else []
+        limits = {round(x * 1e9) for x in timed if 0 < x < 1e4}
+        self.deltas += sorted(limits)
+        limits.update(read.timeout for read in self.reads if read.timeout is not None)
         limits.update(age for _, age in self.faulty.values())
         late = [limit + n for limit in sorted(limits) for n in (0, 1)]
         self.ages = [0, -1, -period, -period - 1, *late]
@@ -126,7 +132,10 @@ class Drawing:
                 pairs = [*zip(left, ends, strict=True)]
                 shown = [fault for fault, end in pairs if end is not None]
                 last = max(end for end in ends if end is not None) + 1
-                yield Run(_listed(shown), given[:last], [value for (value,) in rows[:last]])
+                results = [value for (value,) in rows[:last]]
+                for sample, value in zip(given, results, strict=False):
+                    self.known.setdefault(str(value), []).append(sample.values)
+                yield Run(_listed(shown), given[:last], results)
                 hidden -= {fault.place for fault in shown}
                 left = [fault for fault, end in pairs if end is None]
                 break
@@ -167,10 +176,13 @@ class Drawing:
         return items[int(self.random() * len(items))]
 
     def _drawn(self, fault: _Fault) -> list[Sample]:
-        filler, odd, t = self._pick(self.fillers), self._pick((0.0, 0.0, 0.1, 0.5)), 0
+        filler, odd, t = self._pick(self.fillers), self._pick((0.0, 0.0, 0.1, 0.5)), 10**9
+        values: Mapping[str, Any]
         values = {name: self._pick(pool[0]) for name, pool in self.pools.items()}
+        if self.known and self.random() < 0.7:
+            values = self._pick(self._pick([*self.known.values()]))
         ages, names = dict.fromkeys(self.aged, 0), [*self.pools]
-        steps = [Sample(0, values, ages)]
+        steps = [Sample(t, values, ages)]
         for _ in range(2 + int(self.random() * 6)):
             is_needed = fault.deltas and self.random() < 0.6
             delta = self._pick(fault.deltas if is_needed else self.deltas)
@@ -181,8 +193,9 @@ class Drawing:
             for name in names if not names or self.random() < 0.3 else [self._pick(names)]:
                 pool = self.pools[name][self.random() < odd]
                 pool = fault.values.get(name, pool) if self.random() < 0.4 else pool
-                values = values | {name: self._pick(pool)}
-            if self.aged and self.random() < 2 * odd + 0.1:
+                values = {**values, name: self._pick(pool)}
+            is_aged = fault.name in ("ahead", "timeout", *self.faulty)
+            if self.aged and self.random() < (0.5 if is_aged else 2 * odd):
                 ages = ages | {self._pick(self.aged): self._pick(self.ages)}
             if delta or None not in values.values():  # where a clock stands, silence shows
                 steps.append(Sample(t, values, ages))
@@ -207,7 +220,7 @@ class Drawing:
         for of in (*self.reads, *(part for reduction in lists for part in reduction.inputs)):
             numbers += of.range or ()
         exact = {0.0, *(float(x) for x in numbers if x is not None and math.isfinite(x))}
-        if len(exact) < 8:
+        if len(exact) < 8 and any(row.op in _ARITHMETIC for row in self.program.operations):
             exact |= {a + sign * b for a in exact for b in exact for sign in (-1, 1)}
         plain = [x + more for x in sorted(exact) for more in (0.0, -1.0, 1.0)]
         near = [math.nextafter(x, to) for x in sorted(exact) for to in _ENDS]
@@ -249,7 +262,7 @@ class Drawing:
         for n in (-1, 1) if any(row.window for row in rows) else ():
             yield of_time("gap", self.jumps, lambda _, of, n=n: self._history(of, gap=n))
         if any(row.window or row.op in _STATEFUL for row in rows):
-            back = [-1, -2 * period, *self.deltas]
+            back = [-1, -1, *self.deltas]  # as little as can be: whatever is kept is still inside
             yield of_time("back", back, lambda _, of: self._history(_onward(of, period)))
         yield of_time("same time", [0, period], lambda _, of: self._history(_onward(of, 0)))
         for name, (see, _) in self.faulty.items():
@@ -352,6 +365,7 @@ def _list_pools(reduction: Reduction, pools: Mapping[str, Pools]) -> Iterator[tu
         elif not part.is_list:
             yield part.name, (plain, odd)
         else:  # a truth in a list may be a number, too
+            near = [x for x in odd if type(x) is float and math.isfinite(x)]
             mixed = [*plain, None, *plain, *(() if part.type == "bool" else odd)]
             lists = [
                 [
@@ -361,13 +375,17 @@ def _list_pools(reduction: Reduction, pools: Mapping[str, Pools]) -> Iterator[tu
                     for n in range(len(of))
                     if length <= 51
                 ]
-                for of in (plain, mixed)
+                for of in ([*plain, *near], mixed)
             ]
+            if reduction.coverage is not None and not angles:
+                lists[0] += [[x] * n + [None] * (10 - n) for x in plain for n in range(11)]
             yield part.name, (lists[0], [None, "1", [], *lists[1]])
 
 
 def _other_reductions(reduction: Reduction) -> Iterator[Reduction]:
     yield from (replace(reduction, op=op) for op in _others(reduction.op))
+    if reduction.coverage is not None:
+        yield from (replace(reduction, coverage=reduction.coverage + n) for n in (-0.1, 0.1))
     for k, node in enumerate(reduction.nodes):
         others = [replace(node, op=op) for op in _others(node.op)]
         if type(node.value) is float and node.op == "constant":

@@ -16,7 +16,7 @@ from eddi_scaffold.program.instructions import BOOL, Operation, Program, Read
 
 _TURNED = {"lt": "gt", "le": "ge", "gt": "lt", "ge": "le"}
 _MAX_VISITS = 20_000
-_SIGNS: Mapping[str, tuple[bool, ...]] = {
+SIGNS: Mapping[str, tuple[bool, ...]] = {
     "not": (False,),
     "and": (True, True),
     "or": (True, True),
@@ -67,9 +67,9 @@ class _Walk:
                 waiting += [(part, side, group) for part, side in parts]
             elif node.op in _TURNED and (counts := self._counts(node)):
                 waiting += [(arg, sign == more, ()) for arg, more in counts]
-            elif node.op in _SIGNS:
+            elif node.op in SIGNS:
                 companions = companions if node.op in _NOW else ()
-                signs = zip(node.args, _SIGNS[node.op], strict=True)
+                signs = zip(node.args, SIGNS[node.op], strict=True)
                 waiting += [(arg, sign == same, companions) for arg, same in signs]
             elif node.op not in _SILENT:  # every variable below, in any value
                 for below in nodes_below(self._nodes, number, _SILENT):

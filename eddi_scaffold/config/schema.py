@@ -19,6 +19,7 @@ from pydantic import (
     StrictFloat,
     StrictInt,
     StrictStr,
+    model_validator,
 )
 
 from eddi_scaffold.common.identifiers import is_ros_name
@@ -37,8 +38,6 @@ _ADDRESS = re.compile(r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>")
 _SECONDS = {"": 1.0, "ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
 _HERTZ = {"": 1.0, "hz": 1.0, "khz": 1e3}
 _LONGEST = 1e6  # seconds: more is not a limit at all
-_NOT_IN_ROS = {"double": "float64", "float": "float32", "int": "int32", "boolean": "bool"}
-"""Names of types in C++ and Python -> those of message files."""
 
 
 def _number(
@@ -53,8 +52,6 @@ def _number(
     def check(value: object) -> object:
         if value in words:
             return value
-        if words and isinstance(value, str) and value.casefold() in ("none", "never"):
-            raise HintedError(f"{what} are expected", "write `none` for no limit")
         match = _QUANTITY.fullmatch(value.strip().casefold()) if isinstance(value, str) else None
         if match is not None and match[2] and match[2] in units:
             value = float(f"{float(match[1]) * units[match[2]]:.15g}")
@@ -94,7 +91,6 @@ def _field_type(text: str) -> str:
     name = text.partition("[")[0]
     if re.fullmatch("[a-z][a-z0-9_]*", name) and name not in PRIMITIVES:
         hint = did_you_mean(name, PRIMITIVES) or "such as float64 or std_msgs/Header"
-        hint = f"write {_NOT_IN_ROS[name]}" if name in _NOT_IN_ROS else hint
         raise HintedError(f"there is no type {name!r}: a type of ROS messages is expected", hint)
     return text
 
@@ -294,6 +290,43 @@ class FleetSection(Section):
     closed: StrictBool = False
 
 
+FAULTS = ("drop", "nan", "delay", "duplicate", "freeze", "bias", "scale")
+"""What ``inject`` does to a topic."""
+_NUMBER = "[-+]?[0-9]{1,9}(?:[.][0-9]{1,9})?"
+_fault = text(
+    re.compile(
+        f"drop|nan|duplicate|freeze|delay(?: {_NUMBER} ?m?s)?|bias {_NUMBER}|scale {_NUMBER}"
+    ).fullmatch,
+    "a fault",
+    "drop, nan, delay, delay 0.2 s, duplicate, freeze, bias -2, scale 1000",
+)
+Fault = Annotated[StrictStr, _fault]
+
+
+class Reaction(Section):
+    """How soon a guarantee has to be gone after a fault, for ``inject``."""
+
+    guarantee: Name
+    hazard: Line | None = None  # what it keeps away, for people
+    # seconds from a fault to the hazard: the fault tolerant time interval
+    ftti: Annotated[float, _promise]
+    reaction: Annotated[float, _wait] | None = None  # seconds of it that the robot needs to react
+    faults: Annotated[list[Fault], Field(min_length=1)]
+    topics: list[Topic] = []  # full names, by default all that the guarantee rests on
+    accept: Line | None = None  # why these faults may have no bound, or not be exercised
+
+    @property
+    def within(self) -> float:
+        """Seconds that are left to take the guarantee away."""
+        return self.ftti - (self.reaction or 0.0)
+
+    @model_validator(mode="after")
+    def _leaves_time(self) -> Reaction:
+        if self.within <= 0:
+            raise HintedError("a reaction shorter than the ftti is expected")
+        return self
+
+
 class ConnectSection(Section):
     """What ``connect`` reads beside the rest."""
 
@@ -311,6 +344,7 @@ class Config(Section):
     EDDIOutputs: list[OutputEntry] = []
     Fleet: FleetSection | None = None
     Package: PackageSection = PackageSection()
+    Reactions: list[Reaction] = Field([], exclude=True)  # no package depends on it
     # message type -> field -> type, as in its `.msg` file: for types that eddi-scaffold does not
     # know
     MessageTypes: dict[MessageType, dict[StrictStr, FieldType]] = {}

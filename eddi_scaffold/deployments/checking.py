@@ -157,6 +157,8 @@ class _Check:
         if not whole or has_errors(self.problems):  # else links would seem to be missing
             items = filter(None, (analysis.unlinked() for analysis in self.analyses))
             return [problem("J001.count", of[0].place, number=len(of)) for of in items]
+        if not self.analyses:
+            return [problem("F004.no_hazards")]
         monitors = self.monitors
         if not self.configs:  # of the EDDI alone; what they lack is no matter here
             monitors = join_pairs([(model, None) for model in self.models])[0]

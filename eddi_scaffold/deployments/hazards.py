@@ -44,9 +44,9 @@ class Verification:
         """Return it in a few words."""
         if self.differs:
             return f"stale: {', '.join(self.differs)}"
-        states = {"proved": self.is_proved, "tested": self.is_tested}
-        words = [state if holds else f"not {state}" for state, holds in states.items()]
-        return ", ".join([*words, self.result] if self.result else words)
+        proved = "proved" if self.is_proved else "not proved"
+        tested = "tested" if self.is_tested else "not tested"
+        return ", ".join(filter(None, [proved, tested, self.result]))
 
 
 @dataclass(frozen=True)

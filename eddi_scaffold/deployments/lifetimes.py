@@ -9,13 +9,14 @@ transport and computing are not in these figures.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.support import WiredMonitor, supports
+from eddi_scaffold.deployments.support import WiredMonitor, supports, supports_of_inputs
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.kinds import JsonValue
 
@@ -47,54 +48,59 @@ class ClaimLifetime:
         )
 
 
-_Times = dict[str, tuple[float, float]]
-"""Source -> bound while all monitors live, and bound whatever dies."""
+Effect = Literal["silence", "unknown", "value"]
+"""What a topic suffers: no more messages, those that say nothing, or bad values; from then on."""
+Times = dict[str, tuple[float, float]]
+"""Topic -> bound while all monitors live, and bound whatever dies."""
 
 
 def bounds(participants: Sequence[WiredMonitor]) -> list[ClaimLifetime]:
     """Return the bounds of all claims, in the order of the participants; claims have no ring."""
-    support = supports(participants)
-    owners = {
-        participant.claim(output): (participant, output)
-        for participant in participants
-        for output in participant.claims
-    }
     published = {topic for participant in participants for topic, _ in participant.published}
-    known: dict[str, _Times] = {}
-    for claim in in_order(support):
-        known[claim] = _times(*owners[claim], published, [known[below] for below in support[claim]])
     return [
         ClaimLifetime(claim, source, *times)
-        for claim in owners
-        for source, times in sorted(known.get(claim, {}).items())
+        for claim, of in times_of_claims(participants, "silence").items()
+        for source, times in sorted(of.items())
+        if source not in published
     ]
 
 
+def times_of_claims(participants: Sequence[WiredMonitor], effect: Effect) -> Mapping[str, Times]:
+    """Return for each claim, and topic on the way to it, after how many seconds it is lost.
+
+    They count from the last good message of the topic. Bad values need a model that is at hand.
+    """
+    support = supports_of_inputs(participants)
+    owners = {of.claim(output): (of, output) for of in participants for output in of.claims}
+    known: dict[str, Times] = {}
+    for claim in in_order(supports(participants)):
+        below = {name: [known[of] for of in claims] for name, claims in support[claim].items()}
+        known[claim] = _times(*owners[claim], below, effect)
+    return {claim: known.get(claim, {}) for claim in owners}
+
+
 def _times(
-    monitor: WiredMonitor, output: str, published: set[str], supporting: Iterable[_Times]
-) -> _Times:
-    """Return the bounds of one claim from those of the claims that it rests on."""
+    monitor: WiredMonitor, output: str, below: Mapping[str, Sequence[Times]], effect: Effect
+) -> Times:
+    """Return the times of one claim from those of the claims that it rests on, by input."""
     claim = monitor.claims[output]
     step_s = 1 / monitor.frequency + claim.hold_s  # a step may fall just before the limit
-    times: _Times = {}
+    times: Times = {}
 
-    def keep_longest(source: str, alive_s: float, dying_s: float) -> None:
-        first, second = times.get(source, (0.0, 0.0))
-        times[source] = max(first, alive_s), max(second, dying_s)
+    def keep_longest(topic: str, alive_s: float, dying_s: float) -> None:
+        first, second = times.get(topic, (0.0, 0.0))
+        times[topic] = max(first, alive_s), max(second, dying_s)
 
-    longest_limit_s = 0.0
-    for name, reads in monitor.topics_read.items():
-        if name not in claim.rests_on:
-            continue
-        limit_s = limit_of(monitor, name)
-        for topic, _ in reads:
-            if topic in published:
-                longest_limit_s = max(longest_limit_s, limit_s)
-            else:
-                keep_longest(topic, limit_s + step_s, limit_s + step_s)
-    for below in supporting:
-        for source, (alive_s, dying_s) in below.items():
-            keep_longest(source, alive_s + step_s, dying_s + longest_limit_s + step_s)
+    for name, claims in below.items():
+        limit_s, held_s = limit_of(monitor, name), claim.held_s(name)
+        first_s = limit_s + held_s if effect == "silence" else held_s
+        if effect == "value" and monitor.bound is not None:
+            first_s = monitor.bound.lag(output, name)
+            held_s = max(held_s, first_s)  # what comes from below may be unknown as well
+        for topic, _ in monitor.topics_read[name]:
+            keep_longest(topic, first_s + step_s, limit_s + held_s + step_s)
+        for topic, (alive_s, dying_s) in (item for of in claims for item in of.items()):
+            keep_longest(topic, alive_s + held_s + step_s, dying_s + limit_s + held_s + step_s)
     return times
 
 

@@ -203,12 +203,23 @@ def claims_read(
 
 def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ...]]:
     """Return for each claim the claims of other monitors that it rests on."""
-    graph: dict[str, tuple[str, ...]] = {}
-    for participant, below in claims_read(participants):
-        for claim in participant.facts.claims:
-            rests = [claims for name, claims in below.items() if name in claim.rests_on]
-            graph[participant.claim(claim.id)] = tuple(dict.fromkeys(c for of in rests for c in of))
-    return graph
+    return {
+        claim: tuple(dict.fromkeys(below for of in inputs.values() for below in of))
+        for claim, inputs in supports_of_inputs(participants).items()
+    }
+
+
+def supports_of_inputs(
+    participants: Sequence[WiredMonitor],
+) -> Mapping[str, Mapping[str, Sequence[str]]]:
+    """Return the same for each input that a claim rests on."""
+    return {
+        participant.claim(claim.id): {
+            name: claims for name, claims in below.items() if name in claim.rests_on
+        }
+        for participant, below in claims_read(participants)
+        for claim in participant.facts.claims
+    }
 
 
 @dataclass(frozen=True)

@@ -140,7 +140,7 @@ class Step:
             raise UnprovedError(target, f"it does not read {self.program.reads[read].name}")
         self.names.append(ast.unparse(value["R"]))
 
-    def follow(self) -> None:
+    def follow(self, arguments: str = "") -> None:
         """Take all that follows the lines that read, and the methods that belong to it."""
         ops = [operation.op for operation in self.program.operations]
         has_windows = not _WINDOWS.keys().isdisjoint(ops)
@@ -172,11 +172,11 @@ class Step:
         for k, read in enumerate(self.program.reads):
             if read.reduction is not None:
                 reduced(self.of, k, read.reduction)
+        if self._pushes:
+            self._constructed(arguments)
 
-    def constructed(self, arguments: str = "") -> None:
+    def _constructed(self, arguments: str) -> None:
         """Take the method that makes the windows."""
-        if not self._pushes:
-            return
         more = "".join(f", {name}=None" for name in arguments.split())
         self.lines = self.of.method("__init__", f"self{more}")
         windows, at = [], self.lines.take("self.windows = V")["V"]
@@ -320,9 +320,8 @@ def of_inputs(
         ids.index(of[0]) for of, read in zip(sources, program.reads, strict=True) if read.reduction
     ]
     emitted.attribute(monitor, "reductions", tuple(firsts) or None)
-    lines = monitor.method("step", "self, source, t")
-    step = Step(monitor, program, lines)
-    names = read_inputs(lines, [(of.attribute, of.factor) for of in inputs], "self.raw = raw")
+    step = Step(monitor, program, monitor.method("step", "self, source, t"))
+    names = read_inputs(step.lines, [(of.attribute, of.factor) for of in inputs], "self.raw = raw")
     raw = {id_: Call(name) for id_, name in zip(ids, names, strict=True)}
     taken, reductions = set[str](), 0
     for k, (read, used) in enumerate(zip(program.reads, sources, strict=True)):
@@ -336,8 +335,7 @@ def of_inputs(
             taken.add(used[0])
         if read.stamped:
             step.stamps[k] = step.take("S = self.stamp(t, N)", N=repr(used[0]))["S"]
-    step.follow()
-    step.constructed(arguments)
+    step.follow(arguments)
 
 
 def needs_of(program: Program, inputs: Sequence[BoundInput]) -> list[tuple[int, ...]]:
@@ -365,11 +363,8 @@ def expressions(emitted: Emitted) -> Iterator[str]:
 
 
 def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> None:
-    program, paths = (
-        joined([part["program"] for part in document["parts"]]),
-        document.get("paths", {}),
-    )
-    checks, kinds = document.get("checks", {}), document.get("names")
+    parts, checks = document["parts"], document.get("checks", {})
+    program, paths = joined([part["program"] for part in parts]), document.get("paths", {})
 
     def word(name: str) -> str:
         return name.partition(".")[0].partition("[")[0]
@@ -382,31 +377,24 @@ def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> Non
         return tuple(map(_tuple, (path, *checks.get(name, ()))))
 
     sources = [[*parts_of(read)] for read in program.reads]
-    heads = dict.fromkeys(word(name) for used in sources for name in used)
+    named = {key: tuple(value) for key, value in document["names"].items()}
+    states = tuple(part["state"] for part in parts if document["type"] == "state")
     emitted.attribute(of, "type", document["type"])
     emitted.attribute(of, "hazard", True if document.get("polarity") == "HAZARD" else None)
-    states = (
-        tuple(part["state"] for part in document["parts"]) if document["type"] == "state" else None
-    )
-    emitted.attribute(of, "states", states)
-    known = kinds or {head: ["message", head] for head in heads}
-    emitted.attribute(of, "names", {key: tuple(value) for key, value in known.items()})
-    lines = of.method("step", "self, t, messages, ages")
-    step = Step(of, program, lines)
+    emitted.attribute(of, "states", states or None)
+    emitted.attribute(of, "names", named)
+    step = Step(of, program, of.method("step", "self, t, messages, ages"))
     for k, (read, used) in enumerate(zip(program.reads, sources, strict=True)):
         message, fields = word(used[0]), [*map(field, used)]
         if read.reduction is None:
             step.called(k, "self.field", Call("messages"), message, *fields[0])
         else:
-            step.called(
-                k, "self.reduce", k, Call(f"self.reduce_{k}"), Call("messages"), message, *fields
-            )
+            method = Call(f"self.reduce_{k}")
+            step.called(k, "self.reduce", k, method, Call("messages"), message, *fields)
         if read.stamped:
-            step.stamps[k] = step.take("S = expressions.stamp(t, ages.get(N))", N=repr(message))[
-                "S"
-            ]
+            form = "S = expressions.stamp(t, ages.get(N))"
+            step.stamps[k] = step.take(form, N=repr(message))["S"]
     step.follow()
-    step.constructed()
     emitted.end(of)
 
 

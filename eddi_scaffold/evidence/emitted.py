@@ -62,7 +62,7 @@ def data(node: ast.expr) -> Any:
     match node:
         case ast.Constant():
             return node.value
-        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant() | ast.Name(id="INF")):
+        case ast.UnaryOp(op=ast.USub()):
             return -data(node.operand)
         case ast.Tuple():
             return tuple(map(data, node.elts))
@@ -207,29 +207,24 @@ class Emitted:
             tree = ast.parse(text)
         except (SyntaxError, ValueError, RecursionError) as error:
             raise UnprovedError(None, f"it is no Python: {error}") from None
-        names, parts = set[str](), dict[str, int]()
+        names = set[str]()
         for node in tree.body[1 if ast.get_docstring(tree) is not None else 0 :]:
             is_small = not isinstance(node, ast.ClassDef | ast.FunctionDef)
             taken, new = ast.unparse(node) if is_small else "", ""
             match node:
                 case ast.Import() if taken == "import eddi_runtime":
                     new = "eddi_runtime"
-                case ast.ImportFrom() if all(alias.asname is None for alias in node.names):
+                case ast.ImportFrom():
                     new = " ".join(alias.name for alias in node.names)
                     part = "expressions" if {*new.split()} & {*EXPRESSIONS} else kind
-                    module = "eddi_runtime"
-                    if not {*new.split()} <= {"InputSpec", "expressions", kind}:
-                        module = f"eddi_runtime.{part}"
-                        parts |= {part: formats[part]}
+                    is_part = {*new.split()} <= {"InputSpec", "expressions", kind}
+                    module = "eddi_runtime" if is_part else f"eddi_runtime.{part}"
                     if taken != f"from {module} import {', '.join(new.split())}":
                         raise UnprovedError(node)
                 case ast.Expr() if taken.startswith("eddi_runtime.needs("):
-                    used = [
-                        "eddi_runtime",
-                        kind,
-                        *(["expressions"] if "expressions" in names | {*parts} else []),
-                    ]
-                    needed = ", ".join(f"{of}: {formats[of]}" for of in used)
+                    more = ["expressions"] if names & {"expressions", *EXPRESSIONS} else []
+                    parts = ("eddi_runtime", kind, *more)
+                    needed = ", ".join(f"{of}: {formats[of]}" for of in parts)
                     if taken != f"eddi_runtime.needs(__file__, {{{needed}}})":
                         self.differs(node, f"the runtime has the formats {needed}")
                     new = "needs"
@@ -253,15 +248,14 @@ class Emitted:
     def _refuse_hidden(self, tree: ast.Module, names: AbstractSet[str]) -> None:
         """Refuse variables that hide what is called in the same function."""
         for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
-            inside = [*ast.walk(function)]
-            calls = {
-                ast.unparse(of.func).partition(".")[0] for of in inside if isinstance(of, ast.Call)
-            }
-            own = {
-                of.id for of in inside if isinstance(of, ast.Name) and isinstance(of.ctx, ast.Store)
-            }
-            own |= {of.arg for of in inside if isinstance(of, ast.arg)}
-            if own & {"INF", "NAN", *calls} & {*names, *vars(builtins)}:
+            own, called = set[str](), {"INF", "NAN"}
+            for of in ast.walk(function):
+                match of:
+                    case ast.Name(ctx=ast.Store(), id=name) | ast.arg(arg=name):
+                        own.add(name)
+                    case ast.Call():
+                        called.add(ast.unparse(of.func).partition(".")[0])
+            if own & called & {*names, *vars(builtins)}:
                 raise UnprovedError(function, "a variable hides what is called")
 
     def differs(self, node: ast.AST | None, text: str) -> None:
@@ -282,7 +276,11 @@ class Emitted:
 
     def attribute(self, of: Class, name: str, expected: object) -> None:
         """Compare an attribute of a class; ``None``: there is to be none."""
-        self.same(name, of.attributes.pop(name, None), expected)
+        node = of.attributes.pop(name, None)
+        if expected is not None:
+            self.same(name, node, expected)
+        elif node is not None:
+            raise UnprovedError(node)
 
     def monitor(self, base: str) -> Class:
         """Take the class ``Monitor``: its base, whose monitor it is, and its inputs."""

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
@@ -17,6 +18,13 @@ if TYPE_CHECKING:
 MOST_BYTES = 64 * 1024
 text = partial(json.dumps, ensure_ascii=False, allow_nan=False)
 """A value as JSON on one line."""
+
+
+T = TypeVar("T")
+
+
+class TooMuchError(Exception):
+    """More work than vectors are worth."""
 
 
 class Step(NamedTuple):
@@ -42,9 +50,99 @@ def age_row(
     ``given``: the values of all inputs.
     """
     age = input_.max_age
-    if not isinstance(age, int | float) or input_.expression is not None:
+    is_watched = input_.requires and input_.expression is None
+    if not is_watched or not isinstance(age, int | float):
         return None
     return [input_.id, given, [age, fresh], [math.nextafter(age, math.inf), late]]
+
+
+def age_rows(
+    inputs: Sequence[BoundInput],
+    given: Mapping[str, Any],
+    results: Callable[[Mapping[str, Any]], Mapping[str, Any] | None],
+) -> Iterator[list[object]]:
+    """Yield the row of each input with an age limit; others of the same message age as well.
+
+    ``results``: those of a step with such values, ``None`` where they depend on rounding.
+    """
+    ages = {of.id: of.max_age if isinstance(of.max_age, float) else math.inf for of in inputs}
+    for input_ in inputs:
+        also = [of.id for of in inputs if {*of.requires} & {*input_.requires}]
+        ends = [
+            results({**given, **{id_: None for id_ in also if is_late(ages[id_], ages[input_.id])}})
+            for is_late in (operator.lt, operator.le)
+        ]
+        fresh, late = ends
+        row = age_row(input_, given, fresh, late) if fresh and late else None
+        yield from [row] if row else []
+
+
+def changed(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is new, or of another type."""
+    pairs = after.items()
+    return {k: v for k, v in pairs if k not in before or text(before[k]) != text(v)}
+
+
+class Judge:
+    """A threshold: active while a value is not above its limits, by definition."""
+
+    def __init__(self, activate: float, release: float, hold: float) -> None:
+        self.activate, self.release, self.hold_ns = activate, release, round(hold * 1e9)
+        self.active = False
+        self.since: int | None = None  # from when on the value has been good
+
+    def is_near(self, value: float | None) -> bool:
+        """Return whether rounding decides."""
+        limits = (self.activate, self.release)
+        return value is not None and any(math.isclose(value, limit) for limit in limits)
+
+    def step(self, now: int, value: float | None) -> bool:
+        """Return whether it is active; ``None``: nothing is known that counts."""
+        if value is None or value > self.release:
+            self.active, self.since = False, None
+        elif value > self.activate:
+            self.since = None
+        else:
+            self.since = now if self.since is None or now < self.since else self.since
+            self.active = self.active or now - self.since >= self.hold_ns
+        return self.active
+
+
+def held(
+    hold_ns: int, good: Sequence[T], band: Sequence[T], bad: Sequence[T]
+) -> list[tuple[int, T]]:
+    """Return times and values, from both sides, until just before the time to hold and at it.
+
+    Each of what makes a threshold active, leaves it as it is, and ends it.
+    """
+    now, later = hold_ns, 2 * hold_ns
+    rows = [(0, bad), (1, band), (2, good), (1 + now, good), (2 + now, good), (3 + now, band)]
+    rows += [(4 + now, good), (5 + now, bad), (6 + now, band), (7 + now, good), (8 + now, band)]
+    rows += [(9 + now, good), (8 + later, good), (9 + later, good), (1, good), (2, bad)]
+    rows += [(9, good), (5, good), (4 + now, good), (5 + now, good)]
+    return [(time, value) for time, values in rows for value in values]
+
+
+def fitting_file(
+    about: Mapping[str, str],
+    inputs: Sequence[BoundInput],
+    rows: Iterable[Run | list[object]],
+    *,
+    complete: bool,
+) -> str:
+    """Return the file of runs and rows of ages, without those that are too much; may be empty."""
+    lists: dict[str, list[object]] = {"ages": [], "runs": []}
+    size = len(vectors_file(about, inputs, {}, complete=True))
+    try:
+        for row in rows:
+            length = len(text(row).encode()) + 5
+            complete = complete and size + length < MOST_BYTES
+            if size + length < MOST_BYTES:
+                size += length
+                lists["runs" if isinstance(row, Run) else "ages"].append(row)
+    except TooMuchError:
+        complete = False
+    return vectors_file(about, inputs, lists, complete=complete) if lists["runs"] else ""
 
 
 def vectors_file(

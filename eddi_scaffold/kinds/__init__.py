@@ -7,6 +7,7 @@ platform.
 from __future__ import annotations
 
 import importlib
+import math
 import pkgutil
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -376,6 +377,13 @@ class Model:
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return what the model and its options accept in place of what is not known."""
         return ()
+
+    def lag(self, output: str, input_: str) -> float:
+        """Return the seconds beyond one step after which a bad value that lasts ends a claim.
+
+        Infinite where nothing bounds them. The times of ``Claim.hold_s`` are not in it.
+        """
+        return math.inf
 
     def input_timeouts(self) -> Mapping[str, float]:
         """Return input -> seconds after which the model itself takes it as unknown."""

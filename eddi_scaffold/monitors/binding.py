@@ -5,7 +5,7 @@ What does not fit is a problem with the place in the configuration.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -25,7 +25,12 @@ from eddi_scaffold.kinds import (
     kinds,
 )
 from eddi_scaffold.monitors import input_rules
-from eddi_scaffold.monitors.compiling import CompiledModule, MonitorFacts, compile_monitor
+from eddi_scaffold.monitors.compiling import (
+    CompiledModule,
+    MonitorFacts,
+    compile_monitor,
+    input_lags,
+)
 from eddi_scaffold.monitors.input_binding import InputBinder, InputBinding
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.spellings import default_outputs
@@ -89,6 +94,11 @@ class BoundMonitor:
         modules = self.model.editable_modules()
         return [method for module in modules for method in module.methods if method.is_needed]
 
+    def lag(self, output: str, input_: str) -> float:
+        """Return the seconds beyond one step after which a bad value that lasts ends a claim."""
+        own = input_lags(self.model.inputs(), self.bound)[input_].value
+        return self.model.lag(output, input_) + own
+
     def topic(self, name: str) -> str:
         """Return the full name of a topic of its node, as it is in a bag."""
         return full_topic(name, "", self.package)
@@ -149,8 +159,24 @@ def monitor_of(
         compiled, facts = compile_monitor(model, tuple(inputs.values()), accepted, frequency, place)
     except EddiError as refused:
         return None, [*problems, *refused.problems]
+    problems += check_reactions(config, facts) if config is not None else ()
+    if has_errors(problems):
+        return None, problems
     joined = (package, model, kind, config, tuple(bindings), compiled, facts, unconfigured)
     return BoundMonitor(*joined, tuple(inputs.values()), tuple(marks)), problems
+
+
+def check_reactions(config: ConfigFile, facts: MonitorFacts) -> Iterator[Problem]:
+    """Report unknown guarantees of ``Reactions``, and times that are missing (K003)."""
+    # one that rests on nothing cannot be lost
+    known = [claim.id for claim in facts.claims if claim.id and claim.rests_on]
+    similar = SimilarNames(known, "there are")
+    for index, reaction in enumerate(config.config.Reactions):
+        place, name = config.place("Reactions", index, "guarantee"), reaction.guarantee
+        if name not in known:
+            yield problem("K003.no_guarantee", place, hint=similar.hint(name), guarantee=name)
+        elif reaction.reaction is None:
+            yield problem("K003.no_reaction", place)
 
 
 def known_types(config: ConfigFile | None, known: MessageFields) -> MessageFields:

@@ -17,12 +17,13 @@ from eddi_runtime import ModelError as NotRunning
 from eddi_runtime.history import EDDIInputBase
 from pydantic import TypeAdapter
 
-from eddi_scaffold.common.claims import Acceptance, Claim, Element
+from eddi_scaffold.common.claims import Acceptance, Claim, Element, held
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.conditions.lags import Lag, lags
 from eddi_scaffold.conditions.uses import inputs_of
 from eddi_scaffold.eddi_xml.links import Linked
-from eddi_scaffold.kinds import Model
+from eddi_scaffold.kinds import Model, ModelInput
 from eddi_scaffold.program.input_expressions import BoundInput, expression_lines
 from eddi_scaffold.program.instructions import Program
 from eddi_scaffold.program.monitor_text import Declaration, module_text
@@ -228,6 +229,11 @@ def compile_monitor(
                 names_read(input_.expression),
             )
         )
+    own = input_lags(model.inputs(), inputs)
+    claims = [
+        replace(of, holds=of.holds + held((id_, own[id_].unknown) for id_ in sorted(of.rests_on)))
+        for of in model.claims(inputs, frequency) or (result,)  # one that names no claims has one
+    ]
     facts = MonitorFacts(
         model.kind,
         model.name,
@@ -236,12 +242,29 @@ def compile_monitor(
         source.sha256,
         tuple(input_facts),
         path,
-        tuple(model.claims(inputs, frequency)) or (result,),  # one that names no claims has one
+        tuple(claims),
         (*of_model, *accepted),
         tuple(model.elements()),
         dict(model.links) or None,
     )
     return module, facts
+
+
+def input_lags(items: Sequence[ModelInput], inputs: Sequence[BoundInput]) -> dict[str, Lag]:
+    """Return for each input the lag of its expression, and of the inputs that this reads."""
+    is_good = {item.id: item.is_good for item in items}
+    ids = {input_.attribute: input_.id for input_ in inputs}
+    result = dict.fromkeys(ids.values(), Lag())
+    for input_ in inputs:
+        expression, good = input_.expression or {"parts": ()}, is_good[input_.id]
+        for part in expression["parts"]:
+            program: Program = part["program"]
+            is_truth = good is not None and expression["type"] == "bool"
+            wanted = good(True) - good(False) if good is not None and is_truth else 0
+            for name, lag in lags(program, program.results[0].operation, wanted).items():
+                below = result.get(ids.get(name, ""), Lag())
+                result[input_.id] = result[input_.id].longest(lag.plus(below))
+    return result
 
 
 def names_read(expression: Mapping[str, Any] | None) -> tuple[str, ...] | None:

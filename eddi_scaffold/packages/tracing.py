@@ -10,20 +10,21 @@ from ast import literal_eval
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from eddi_scaffold.common.claims import Element
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.deployments.hazards import HazardRow, HazardTrace, Verification
+from eddi_scaffold.deployments.hazards import HazardTrace, Verification
 from eddi_scaffold.deployments.support import WiredMonitor
 from eddi_scaffold.eddi_xml.links import Link
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.compiling import MonitorFacts
 from eddi_scaffold.monitors.compiling import from_json as facts_of
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.packages.handwritten import looked_at
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
+from eddi_scaffold.regions.check import list_regions
 
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
 
@@ -122,10 +123,19 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
         raise EddiError(problem("T005.damaged", place, answer=damage)) from None
 
 
-def hazard_rows(
-    eddi: Path, monitors: Sequence[WiredMonitor], packages: Iterable[Path]
-) -> list[HazardRow]:
-    """Return the rows of an EDDI for packages, in which files may have been edited.
+def hazard_trace(
+    eddi: Path,
+    monitors: Sequence[WiredMonitor],
+    packages: Iterable[Path],
+    known: Mapping[str, Verification] = MappingProxyType({}),
+) -> HazardTrace:
+    """Follow the hazards of an EDDI to packages.
+
+    Args:
+        eddi: the file.
+        monitors: of the packages.
+        packages: their folders, in which files may have been edited.
+        known: of each, by its name.
 
     Raises:
         EddiError: the file cannot be read, or has neither hazards nor requirements (F004).
@@ -135,12 +145,12 @@ def hazard_rows(
     if reading.hazards is None:
         errors = [of for of in reading.problems if of.level == "error"]
         raise EddiError(*(errors or [problem("F004.no_hazards", Place(source.name))]))
-    edited = {
-        package.name: sorted({of.file for of in looked_at(package) if of.state == "outside"})
-        for package in packages
-    }
-    verified = {name: Verification(differs=tuple(files)) for name, files in edited.items()}
-    return [*HazardTrace(reading.hazards, monitors, verified=verified).rows.values()]
+    verified = {}
+    for package in packages:
+        edited = sorted({of.file for of in list_regions(package) if of.state == "outside"})
+        of_package = known.get(package.name, Verification())
+        verified[package.name] = replace(of_package, differs=tuple(edited))
+    return HazardTrace(reading.hazards, monitors, verified=verified)
 
 
 def _trace_of(answers: Mapping[str, Any]) -> Trace:

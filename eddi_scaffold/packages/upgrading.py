@@ -169,7 +169,7 @@ def targets(
     problems: list[Problem] = []
     paths = {} if model_file is not None else {f: named_model_path(c) for f, c in configs.items()}
     for path in dict.fromkeys(filter(None, [model_file, *paths.values()])):
-        newer, model_problems = newer_models(group, path, configs)
+        newer, model_problems = _newer_models(group, path, configs)
         models |= newer
         problems += model_problems
     remade: dict[str, Rejoined] = {}
@@ -288,7 +288,7 @@ def compiled_before(packages: Iterable[PackageAnswers]) -> list[str]:
     ]
 
 
-def newer_models(
+def _newer_models(
     group: PackageGroup, model_file: Path, configs: Container[str]
 ) -> tuple[dict[str, Model], list[Problem]]:
     """Return the newer model of each package that has one in the file, read with its marks."""

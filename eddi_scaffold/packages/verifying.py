@@ -11,27 +11,29 @@ import importlib
 import json
 import platform
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import eddi_runtime
-from eddi_runtime.inputs import EDDIInputBase
+from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.plain_values import one_line
 from eddi_runtime.testing import failures
 
 from eddi_scaffold.common.files import next_to, read_regular, read_source
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, plural, problem
+from eddi_scaffold.config.file import from_data, named_model_path
 from eddi_scaffold.evidence.conditions import expressions
 from eddi_scaffold.evidence.emitted import Emitted, Finding, UnprovedError
-from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.answers import VECTORS
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.compiling import from_json as facts_of
-from eddi_scaffold.monitors.config_reading import read_configs
+from eddi_scaffold.monitors.config_reading import read_configs, with_types
+from eddi_scaffold.monitors.loading import checked_models, model_for, select_models
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
-from eddi_scaffold.packages.upgrading import PackageGroup, newer_models, rejoined
+from eddi_scaffold.packages.upgrading import PackageGroup
 from eddi_scaffold.program.monitor_text import Declaration
 from eddi_scaffold.program.running import module_of
 from eddi_scaffold.regions.check import list_regions
@@ -46,47 +48,35 @@ class Verified:
     """What `verify` says of a package."""
 
     package: str  # its folder
-    source: str  # file of the model
+    model: str  # file of the model
     sha256: str  # of that file
-    proved: Sequence[str]  # what is proved; empty where anything is not
+    holds: bool  # all is proved, and no test fails
     findings: Sequence[Finding]  # what differs, or is not proved
-    tested: str  # how many vectors there are, and what became of them
-    failed: Sequence[str]  # vectors that fail, a line each
-    by_hand: Sequence[str]  # what is written by hand, of which nothing is shown
-    trusted: Sequence[str]  # what all of it rests on
+    # `proved`, `tested`, `not`, `trusted` -> what is so, in a line each
+    evidence: Mapping[str, Sequence[str]]
 
     @property
-    def holds(self) -> bool:
-        """Whether all is proved, and no test fails."""
-        return not self.findings and not self.failed
+    def is_tested(self) -> bool:
+        """Whether there are vectors, and all pass."""
+        return self.holds and bool(self.evidence["tested"])
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``verify --json``."""
-        return {
-            "package": self.package,
-            "model": {"file": self.source, "sha256": self.sha256},
-            "holds": self.holds,
-            "proved": [*self.proved],
-            "findings": [of._asdict() for of in self.findings],
-            "tested": self.tested,
-            "failed": [*self.failed],
-            "not": [*self.by_hand],
-            "trusted": [*self.trusted],
-        }
+        findings: list[JsonValue] = [of._asdict() for of in self.findings]
+        evidence = {word: [*lines] for word, lines in self.evidence.items()}
+        own = {name: of for name, of in vars(self).items() if name != "evidence"}
+        return {**own, "findings": findings, **evidence}
 
     def as_text(self) -> str:
         """Return a few lines for people."""
-        of = f"{self.source} (sha256 {self.sha256[:8]})"
-        word = "differs from" if any(of.differs for of in self.findings) else "not proved equal to"
-        lines = [f"{self.package}: {word if self.findings else 'proved equal to'} {of}"]
-        for finding in self.findings:
-            word = "differs  " if finding.differs else "not proved:"
-            lines.append(f"  {word} compiled.py:{finding.line}: {finding.text}")
-        lines += [f"  proved   {'; '.join(self.proved)}"] if self.proved else []
-        lines += [f"  tested   {self.tested}"] if self.tested else []
-        lines += [f"           {line}" for line in self.failed]
-        lines += [f"  not      {line}" for line in self.by_hand]
-        return "\n".join([*lines, f"  trusted  {', '.join(self.trusted)}"])
+        differs = any(of.differs for of in self.findings)
+        word = "differs from" if differs else f"{'not ' * bool(self.findings)}proved equal to"
+        lines = [f"{self.package}: {word} {self.model} (sha256 {self.sha256[:8]})"]
+        for of in self.findings:
+            word = "differs   " if of.differs else "not proved:"
+            lines.append(f"  {word} compiled.py:{of.line}: {of.text}")
+        rows = [f"  {word:8} {line}" for word, of in self.evidence.items() for line in of]
+        return "\n".join([*lines, *rows])
 
 
 def checked(monitor: BoundMonitor, text: str) -> tuple[list[str], list[Finding]]:
@@ -120,32 +110,42 @@ def verified(
         EddiError: the source is not found, or is another one (U005), or it cannot be used.
     """
     package, answers = group.root / folder, group.present[folder]
-    facts = facts_of(answers["facts"])
+    facts, config = facts_of(answers["facts"]), None
+    if text_of := answers.get("config"):
+        config = from_data(text_of, f"the configuration that {folder} remembers")
     read, _ = read_configs(configs)
-    named = ((package_name(of.config.Model.id), of) for of in read)
-    own = {name: of for name, of in named if name == folder}
-    path = model or _source(package, facts.file, facts.file_sha256)
+    newer = next((of for of in read if package_name(of.config.Model.id) == folder), None)
+    if newer is not None:  # types that came from models of the robot stay known without these
+        config = newer if config is None else with_types(newer, config.config.MessageTypes)
+    path = model or (named_model_path(newer) if newer is not None else None)
+    path = path or _source(package, facts.file, facts.file_sha256)
     if read_source(path).sha256 != facts.file_sha256:
-        place = Place(str(path))
-        raise EddiError(
-            problem("U005.other_source", place, package=folder, sha256=facts.file_sha256)
-        )
-    present = {folder: answers}
-    models, _ = newer_models(replace(group, present=present), path, own)
-    monitor, _ = rejoined(present, models, own)[folder]
+        place, sha256 = Place(str(path)), facts.file_sha256
+        raise EddiError(problem("U005.other_source", place, package=folder, sha256=sha256))
+    marks = answers.get("default_guarantees") or ()
+    models = checked_models(path, marks).models
+    if config is None:
+        (source, *_) = select_models(models, facts.id, kinds()[facts.kind])
+    else:
+        source = model_for(config, models)
+    monitor, problems = monitor_of(source, config, marks)
+    if monitor is None:
+        raise EddiError(*problems)
     code = next((name for name in answers["files"] if name.endswith("compiled.py")), "")
     file = next_to(str(package / ANSWERS_FILE), code)
     text = read_regular(file).decode("utf-8", "replace")
     proved, findings = checked(monitor, text)
-    tested, failed = "", list[str]()
-    if not findings:  # only what is proved is executed
-        count, failed = _tested(monitor, text, package, file.parent)
-        passed = "all passed" if not failed else f"{len(failed)} differences"
-        tested = f"{plural(count, 'vector')}, {passed}" if count or failed else ""
-    config = "its configuration" if own else f"the configuration in {ANSWERS_FILE}"
-    trusted = [f"Python {platform.python_version()}", _runtime(), f"reader of {path.name}", config]
-    kept = (folder, path.name, facts.file_sha256, proved, findings, tested, failed)
-    return Verified(*kept, [*_by_hand(package, code)], trusted)
+    # only what is proved is executed
+    tested, holds = ([], False) if findings else _tested(monitor, text, package, file.parent)
+    trusted = [f"Python {platform.python_version()}", _runtime(), f"reader of {path.name}"]
+    trusted += [f"the configuration in {ANSWERS_FILE}"] if newer is None and config else []
+    evidence = {
+        "proved": ["; ".join(proved)] if proved else [],
+        "tested": tested,
+        "not": [*_by_hand(package, code)],
+        "trusted": [", ".join(trusted)],
+    }
+    return Verified(folder, path.name, facts.file_sha256, holds, findings, evidence)
 
 
 def _source(package: Path, name: str, sha256: str) -> Path:
@@ -171,21 +171,22 @@ def in_short(monitor: BoundMonitor, files: Mapping[str, bytes]) -> str:
     return f"{monitor.package}: {plural(vectors_in(files.get(VECTORS, b'')), 'vector')}; {word}"
 
 
-def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tuple[int, list[str]]:
-    """Run the vectors of a model with a text; those of its package must be the same."""
+def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tuple[list[str], bool]:
+    """Run the vectors of a model with a text: what to say, and whether all pass."""
     about = {"model": monitor.facts.file, "sha256": monitor.facts.file_sha256}
     vectors = monitor.model.vectors(monitor.bound, about).encode()
-    if not vectors:
-        return 0, []
     file = package / VECTORS
+    if not vectors:
+        return [], True
     if not file.is_file() or read_regular(file) != vectors:
-        return 0, [f"{VECTORS} is not that of the model"]
+        return [f"{VECTORS} is not that of the model"], False
     try:
         class_ = module_of(text, monitor.model.name, lambda name: read_regular(code / name)).Monitor
         failed = failures(str(file), class_, _input_class(class_.inputs))
     except Exception as failure:  # noqa: BLE001 - such as a name that is not imported
         failed = [f"it does not run: {one_line(failure)}"]
-    return vectors_in(vectors), failed
+    passed = f"{len(failed)} differences" if failed else "all passed"
+    return [f"{plural(vectors_in(vectors), 'vector')}, {passed}", *failed], not failed
 
 
 def _input_class(inputs: Sequence[Any]) -> type[Any]:
@@ -193,15 +194,15 @@ def _input_class(inputs: Sequence[Any]) -> type[Any]:
 
     class Input(EDDIInputBase):
         def __init__(self) -> None:
-            for spec in inputs:
-                setattr(self, spec.attribute, spec.default)
             super().__init__(inputs)
+            vars(self).update({spec.attribute: spec.default for spec in inputs})
 
         def processing(self, messages: Mapping[str, object]) -> None:
             self.begin_processing()
             for spec in inputs:
-                method = getattr(self, f"process_{spec.attribute}")
-                self.update(spec.id, method, messages, spec.requires)
+                take = self.update_each if spec.every_message else self.update
+                take = self.update_expression if spec.expression else take
+                take(spec.id, getattr(self, f"process_{spec.attribute}"), messages, spec.requires)
 
     return Input
 

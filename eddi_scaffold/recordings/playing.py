@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
@@ -73,6 +74,7 @@ class PlayedMonitor:
     publisher: Publications | None = None  # what others receive of it
     words: str = ""  # topic on which it tells other robots, empty for none
     folder: Path | None = None  # of its package, where the code in it runs
+    offset: int = 0  # nanoseconds from the start of the recording to that of its node
 
 
 def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
@@ -219,8 +221,17 @@ class Steps:
 Playback = Iterator[tuple[PlayedMonitor, Step]]  # the steps of a recording, in the order of time
 
 
-def play(monitors: Sequence[PlayedMonitor], recording: Recording) -> Playback:
+def play(
+    monitors: Sequence[PlayedMonitor],
+    recording: Recording,
+    silent: Mapping[str, int] = MappingProxyType({}),
+) -> Playback:
     """Play a recording to monitors, in the order in which they step.
+
+    Args:
+        monitors: they begin anew.
+        recording: what their nodes receive, besides what they tell each other.
+        silent: topic -> time after which nobody receives anything on it.
 
     Raises:
         EddiError: these are more steps than anybody waits for (I019).
@@ -232,14 +243,16 @@ def play(monitors: Sequence[PlayedMonitor], recording: Recording) -> Playback:
         raise EddiError(problem("I019", length=length / SECOND, most=most))
     for monitor in monitors:
         monitor.running.reset()
-    return _Player(monitors, recording).steps()
+    return _Player(monitors, recording, silent).steps()
 
 
 class _Player:
-    def __init__(self, monitors: Sequence[PlayedMonitor], recording: Recording) -> None:
+    def __init__(
+        self, monitors: Sequence[PlayedMonitor], recording: Recording, silent: Mapping[str, int]
+    ) -> None:
         start, end = recording.start, recording.end
-        self._monitors = monitors
-        self._steps = [Steps(m.rule, m.limits, start, end) for m in monitors]
+        self._monitors, self._silent = monitors, silent
+        self._steps = [Steps(m.rule, m.limits, start + m.offset, end) for m in monitors]
         self._inboxes: list[list[Received]] = [[] for _ in monitors]
         self._topics = {topic for monitor in monitors for topic in monitor.sources}
         self._samples, self._rows = deque(recording.samples), deque(recording.rows)
@@ -295,6 +308,8 @@ class _Player:
 
     def _deliver(self, topic: str, message: Any, t: int, sender: int = -1) -> None:
         """Give a message to all who listen; only those behind the sender step for it at once."""
+        if t > self._silent.get(topic, t):
+            return
         for number, monitor in enumerate(self._monitors):
             for source in monitor.sources.get(topic, ()):
                 self._inboxes[number].append(Received(t, source, message))

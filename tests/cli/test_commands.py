@@ -21,8 +21,9 @@ pytestmark = pytest.mark.slow
 
 COMMANDS = [
     *("example", "check", "show", "run", "generate"),
-    *("connect", "parse-rossystem", "regions", "status", "verify", "upgrade", "watch", "explain"),
+    *("connect", "parse-rossystem", "regions", "status", "upgrade", "watch", "explain"),
     *("diagram", "compose", "export", "event", "trace"),
+    *("verify", "inject", "report"),
     *("adopt", "answers"),
 ]
 MODEL = "two_conserts.xml"

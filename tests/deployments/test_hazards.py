@@ -193,6 +193,12 @@ def test_without_the_option_there_is_one_info(tmp_path: Path) -> None:
     assert "name no guarantee: 3 [J001]" in result.err
 
 
+def test_to_forget_the_eddi_is_no_success() -> None:
+    result = run("check", "robot.yml", "--hazards", cwd=ROBOT)
+    assert result.status == 1
+    assert "error: there are neither hazards nor requirements [F004]" in result.err
+
+
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("warehouse")
@@ -202,6 +208,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_trace_follows_hazards_to_topics(generated: Path) -> None:
     text = run("trace", "-w", "out", "-m", "hazards.xml", cwd=generated).out
     assert "  hazard HitsPerson (hazards.xml:7): linked, in time\n    severity S2\n" in text
@@ -218,6 +225,7 @@ def test_trace_follows_hazards_to_topics(generated: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_trace_refuses_what_has_no_hazards(generated: Path) -> None:
     for file, code in (("robot.yml", "F003"), ("gone.xml", "F001"), ("two_conserts.xml", "F004")):
         shutil.copy(ROOT / "examples" / "two-conserts" / "two_conserts.xml", generated)
@@ -226,6 +234,7 @@ def test_trace_refuses_what_has_no_hazards(generated: Path) -> None:
         assert f"[{code}]" in result.err
 
 
+@pytest.mark.slow
 def test_an_edited_monitor_makes_its_rows_stale(generated: Path, tmp_path: Path) -> None:
     """Only those whose guarantee rests on it: walking pace needs no camera."""
     shutil.copytree(generated, tmp_path, dirs_exist_ok=True)

@@ -75,9 +75,22 @@ def test_a_claim_of_nobody_is_said(tmp_path: Path) -> None:
 def test_the_recording_is_what_the_script_writes(tmp_path: Path, script: ModuleType) -> None:
     script.write_bag(tmp_path / "shift.bag")
     script.write_reference(tmp_path / "reference_sample.csv")
+    script.write_faults(tmp_path / "faults.csv")
     assert messages(tmp_path / "shift.bag") == messages(ROBOT / "shift.bag")
-    written = (tmp_path / "reference_sample.csv").read_bytes()
-    assert written == (ROBOT / "reference_sample.csv").read_bytes()
+    for name in ("reference_sample.csv", "faults.csv"):
+        assert (tmp_path / name).read_bytes() == (ROBOT / name).read_bytes()
+
+
+def test_its_guarantees_are_gone_in_time() -> None:
+    words = ("--inputs", "faults.csv", "--phases", "2", "--json")
+    done = run("-q", "inject", "robot.yml", *words, cwd=ROBOT)
+    assert (done.status, done.err) == (0, "")
+    rows = json.loads(done.out)["rows"]
+    assert {row["verdict"] for row in rows if row["fault"] != "freeze"} == {"met"}
+    (frozen,) = (row for row in rows if row["fault"] == "freeze")
+    assert (frozen["verdict"], frozen["accepted"], frozen["lost"]) == ("no bound", True, False)
+    # no probability lies in the band of the localisation: it is as if there was none
+    assert {row["bound_s"] for row in rows if "localisation" in row["topic"]} == {0.7, 0.2, 0.3}
 
 
 def test_any_source_that_dies_takes_full_speed_away(

@@ -7,6 +7,7 @@ Source: SESAME D7.2 section 3.2; Pearl, "Probabilistic Reasoning in Intelligent 
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import unicodedata
@@ -62,6 +63,25 @@ class Network:
     def ancestors(self, names: Iterable[str]) -> set[str]:
         """Return the nodes with everything above them."""
         return reached({node.id: node.parents for node in self.nodes}, names)
+
+    def attained(self, name: str, states: Collection[str], given: Sequence[str]) -> list[float]:
+        """Return the probabilities of some states of a node, for all states of others.
+
+        They are the sums over the joint probabilities of all nodes that matter.
+        """
+        nodes = [self.node(id_) for id_ in sorted(self.ancestors([name, *given]))]
+        sums: dict[tuple[str, ...], list[float]] = {}
+        for case in itertools.product(*(node.states for node in nodes)):
+            state, p = dict(zip((node.id for node in nodes), case, strict=True)), 1.0
+            for node in nodes:
+                row = 0
+                for of in (*map(self.node, node.parents), node):
+                    row = row * len(of.states) + of.states.index(state[of.id])
+                p *= node.table[row]
+            both = sums.setdefault(tuple(state[id_] for id_ in given), [0.0, 0.0])
+            both[0] += p if state[name] in states else 0.0
+            both[1] += p
+        return [part / total for part, total in sums.values() if total > 0]
 
     def in_order(self) -> list[Node]:
         """Return the nodes, parents first; the order of the file wherever it allows that."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -21,15 +22,17 @@ from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, read_xml_formats
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits
-from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, read_options
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Threshold, read_options
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
+from eddi_scaffold.kinds.bayesian_network.vectors import network_vectors
 from eddi_scaffold.kinds.bayesian_network.verify import verify
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 NAME = "bayesian_network"
+_MOST_CASES = 4096  # of all nodes, whose probabilities are summed
 _POLICIES = {"prior": "the prior", "default": "the state of the default", "hold": "the last state"}
 _BEYOND = (
     ("clamp", "out_of_range", "clamp", "the nearest value in range"),
@@ -228,6 +231,9 @@ class NetworkModel(kinds.Model):
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)
 
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        return network_vectors(self.data, self.settings, inputs, about)
+
     def verify(self, emitted: Emitted) -> Iterator[str]:
         return verify(self.data, self.settings, emitted)
 
@@ -242,7 +248,40 @@ class NetworkModel(kinds.Model):
         acceptances = self.acceptances(inputs, frequency)
         hold_s = max([entry.seconds or 0.0 for entry in acceptances], default=0.0)
         rests_on = frozenset(input_.id for input_ in inputs)
-        return [Claim(entry.id, rests_on, hold_s) for entry in self.settings.thresholds]
+        accepted = {of.input for of in acceptances if of.seconds is None}
+        return [
+            Claim(
+                of.id,
+                rests_on,
+                hold_s,
+                holds=tuple(
+                    (id_, None) for id_ in sorted(rests_on if self._may_stay(of) else accepted)
+                ),
+            )
+            for of in self.settings.thresholds
+        ]
+
+    def lag(self, output: str, input_: str) -> float:
+        (threshold,) = (of for of in self.settings.thresholds if of.id == output)
+        return math.inf if self._may_stay(threshold) else 0.0
+
+    def _may_stay(self, threshold: Threshold) -> bool:
+        """Return whether a threshold may stay as it is, between limits, whatever is observed.
+
+        An unknown state counts as the worst one: the probabilities are those of known states.
+        """
+        readers = {of.node: of.reader for of in self.settings.declarations}
+        given, limits = self.settings.observable, (threshold.limit, threshold.release)
+        if any(of.hysteresis for of in readers.values()):
+            return True
+        if limits[0] == limits[1]:
+            return False
+        sizes = math.prod(len(node.states) for node in self.data.nodes)
+        priors = any(of.policy == "prior" for of in readers.values())
+        if priors or not readers.keys() >= {*given} or sizes > _MOST_CASES:
+            return True
+        attained = self.data.attained(threshold.node, threshold.states, given)
+        return any(min(limits) <= p <= max(limits) and p != threshold.limit for p in attained)
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return what the declarations of the nodes accept in place of a known state."""

@@ -179,6 +179,9 @@ class ConSertModel(Model):
             claims.append(Claim(id_, leaves, hold_s, gates=gates))
         return claims
 
+    def lag(self, output: str, input_: str) -> float:
+        return 0.0
+
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return what a filter by majority accepts: the majority of old steps."""
         seconds = self.options.hold_s(frequency)

@@ -24,6 +24,7 @@ from eddi_scaffold.evidence.emitted import (
     read_inputs,
     unpacked,
 )
+from eddi_scaffold.evidence.reductions import number
 from eddi_scaffold.kinds.consert.consert import BinaryDimension, CategoricalDimension, ConSert
 from eddi_scaffold.kinds.consert.ranges import exact
 from eddi_scaffold.kinds.consert.vectors import ConSertVectors, dimension_of, in_unit
@@ -141,7 +142,9 @@ class _Proof:
         node = monitor.attributes.pop("graph", None)
         if node is None:
             return []
-        holes = matched("search.Graph(inputs, R)", node) or {"R": node}
+        holes = matched("search.Graph(inputs, R)", node)
+        if holes is None:
+            raise UnprovedError(node)
         rows = data(holes["R"])
         names = [*self.functions.leaves, *(row[0] for row in rows)]
         numbers, inputs = {name: k for k, name in enumerate(names)}, self.consert.inputs
@@ -159,15 +162,17 @@ class _Proof:
     def _guarantees(self, numbers: Sequence[str]) -> Iterator[Call]:
         for guarantee in self.consert.guarantees:
             sets, id_ = self.sets.paths[guarantee.id], guarantee.id
-            paths = sorted((tuple(sorted(one)) for one in sets or ()), key=lambda p: (len(p), p))
+            if sets is None and not numbers:
+                raise UnprovedError(None, f"{id_} has too many path sets to compare them")
+            paths = sorted((tuple(sorted(of)) for of in sets or ()), key=lambda p: (len(p), p))
+            published = self.options.published(id_)
             named = {
                 "node": numbers.index(id_) if numbers else None,
                 "paths": None if numbers else tuple(paths),
-                "published": self.options.published(id_),
+                "published": None if published == id_ else published,
                 "default": guarantee.default or None,
                 "ranking": guarantee.ranking,
             }
-            named["published"] = None if named["published"] == id_ else named["published"]
             known = {key: value for key, value in named.items() if value is not None}
             yield Call("consert.Guarantee", (id_,), known)
 
@@ -178,31 +183,24 @@ class _Proof:
         paths, cuts = self.sets.paths[id_], self.sets.cuts[id_]
         if paths is None or cuts is None:
             raise UnprovedError(node, f"{id_} has another form than in the model")
-        for sets, inside, rest in ((paths, 2, 1), (cuts, 1, 2)):
-            for leaves in sets:
-                given = [inside if leaf in leaves else rest for leaf in self.functions.leaves]
-                got = self.functions.value(function, given)
-                if (got == 2) == (inside == 2):
-                    continue
-                point = " ".join(
-                    f"{leaf}={'FUT'[of]}"
-                    for leaf, of in zip(self.functions.leaves, given, strict=True)
-                )
-                verdict = ("FALSE", "UNKNOWN", "TRUE")[
-                    self.functions.value(self.of_model[id_], given)
-                ]
-                word = "active" if got == 2 else "not active"
-                self.emitted.differs(node, f"{point}: {id_} {word}, the model says {verdict}")
-                return
+        names, of_model = self.functions.leaves, self.of_model[id_]
+        cases = [(leaves, 2, 1) for leaves in paths] + [(leaves, 1, 2) for leaves in cuts]
+        for leaves, inside, rest in cases:
+            given = [inside if leaf in leaves else rest for leaf in names]
+            if (self.functions.value(function, given) == 2) == (inside == 2):
+                continue
+            point = " ".join(f"{leaf}={'FUT'[of]}" for leaf, of in zip(names, given, strict=True))
+            verdict = ("FALSE", "UNKNOWN", "TRUE")[self.functions.value(of_model, given)]
+            word = "not active" if inside == 2 else "active"
+            self.emitted.differs(node, f"{point}: {id_} {word}, the model says {verdict}")
+            return
 
     def _step(self, lines: Lines) -> None:
         kept = "self.raw, self._source = raw, source"
         names = read_inputs(lines, [(input_.attribute, None) for input_ in self.inputs], kept)
         for k, name in enumerate(names):
             holes = lines.take(*self._judged(k, name))
-            if any(
-                ast.unparse(of) != letter for letter, of in holes.items()
-            ):  # a name of one letter
+            if any(ast.unparse(of) != name for of in holes.values()):  # a name of one letter
                 raise UnprovedError(holes[name])
         if self.options.filter and names:
             tuple_ = lines.take("values = V")["V"]
@@ -227,7 +225,9 @@ class _Proof:
         if len(flags) != len(self.consert.guarantees):
             raise UnprovedError(holes["V"], "it returns other guarantees")
         for flag, guarantee in zip(flags, self.consert.guarantees, strict=True):
-            of = matched("A == 2", flag) or {"A": flag}
+            of = matched("A == 2", flag)
+            if of is None:
+                raise UnprovedError(flag)
             self._compare(flag, value(of["A"]), guarantee.id)
 
     def _judged(self, k: int, x: str) -> tuple[str, str]:
@@ -242,7 +242,7 @@ class _Proof:
             test, known = f"type({x}) is str", f"{x} = 2 if {x} in {{{texts}}} else 0"
         else:
             for start, end, closed in self._ranges(k):
-                inside = f"{start} <= {x} {'<=' if closed else '<'} {end}".replace("inf", "INF")
+                inside = f"{number(start)} <= {x} {'<=' if closed else '<'} {number(end)}"
                 known += f"{'el' if known else ''}if {inside}:\n        {x} = 2\n    "
             known += f"else:\n        {x} = 0 if {x} == {x} else 1"
         return f"{x} = {unknown}", f"if {test}:\n    {known}\nelse:\n    {x} = {unknown}"

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
-from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
+from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings, held
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.conditions.lags import Lag, lags
 from eddi_scaffold.conditions.standalone import cost_line
 from eddi_scaffold.conditions.tokens import line_and_column
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts
@@ -34,7 +35,7 @@ from eddi_scaffold.program import instructions
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.condition_step import ConditionStep
 from eddi_scaffold.program.input_expressions import BoundInput
-from eddi_scaffold.program.instructions import Program, reads_of_results
+from eddi_scaffold.program.instructions import Program, Result
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, head_lines
 
 FORMAT = 1
@@ -219,17 +220,19 @@ class EventModel(Model):
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the events, each with the variables that it rests on."""
-        names = [inputs_of(read) for read in self.program.reads]
-        return [
-            Claim(
-                result.id,
-                frozenset(name for number in used for name in names[number]),
-                polarity="HAZARD" if result.hazard else "EVIDENCE",
-            )
-            for result, used in zip(
-                self.program.results, reads_of_results(self.program), strict=True
-            )
-        ]
+        claims = []
+        for result in self.program.results:
+            polarity, lags_of = "HAZARD" if result.hazard else "EVIDENCE", self._lags(result)
+            holds = held((name, lag.unknown) for name, lag in sorted(lags_of.items()))
+            claims.append(Claim(result.id, frozenset(lags_of), polarity=polarity, holds=holds))
+        return claims
+
+    def _lags(self, result: Result) -> Mapping[str, Lag]:
+        return lags(self.program, result.operation, -1 if result.hazard else 1)
+
+    def lag(self, output: str, input_: str) -> float:
+        result = next(result for result in self.program.results if result.id == output)
+        return self._lags(result)[input_].value
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return what the events of a file accept of silence, with the events that do."""

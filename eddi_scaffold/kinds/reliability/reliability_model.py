@@ -25,6 +25,7 @@ from eddi_scaffold.kinds.reliability.read_yaml import read_system
 from eddi_scaffold.kinds.reliability.system import NAME, Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
+from eddi_scaffold.kinds.reliability.vectors import system_vectors
 from eddi_scaffold.kinds.reliability.verify import verify
 from eddi_scaffold.kinds.reliability.write import to_open_psa, to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
@@ -165,13 +166,18 @@ class ReliabilityModel(kinds.Model):
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_system(self.data, declaration)
 
+    def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        return system_vectors(self.data, inputs, about)
+
     def verify(self, emitted: Emitted) -> Iterator[str]:
         return verify(self.data, emitted)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the thresholds: every input counts in the probability of failure."""
         ids = frozenset(input_.id for input_ in inputs)
-        return [Claim(threshold.id, ids) for threshold in self.data.thresholds]
+        # by the worst case of what is unknown they need not go away
+        holds = tuple((id_, None) for id_ in sorted(ids if self.data.worst_case else ()))
+        return [Claim(threshold.id, ids, holds=holds) for threshold in self.data.thresholds]
 
     def elements(self) -> Sequence[Element]:
         models = [(model.name, model.place) for model in self.data.used_models()]

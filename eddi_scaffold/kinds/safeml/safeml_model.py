@@ -201,7 +201,11 @@ class SafeMLModel(Model):
 
     def input_timeouts(self) -> Mapping[str, float]:
         options = self.configured
-        return {} if options.max_age is None else {options.input_id: options.max_age}
+        if options.max_age is None:
+            return {}
+        # it counts from the step that took the last sample
+        step_s = 0.0 if options.frequency is None else 1 / options.frequency
+        return {options.input_id: options.max_age + step_s}
 
     def elements(self) -> Sequence[Element]:
         source = self.data.reference.source

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import math
 import struct
-from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from eddi_scaffold.evidence.vectors import MOST_BYTES, Run, Step, text, vectors_file
 
@@ -22,9 +24,11 @@ if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
 
 Row = Sequence[float]
-_MOST_WORK = 2_000_000  # pooled values that are looked at
+_MOST_WORK = 20_000_000  # pooled values that are looked at
 _NEAR = 1e-9  # relative: nothing is expected of what rounding decides
+_LARGEST = 3e38  # of what is given: a float32 can hold it
 _FAR = 64.0  # in units of an axis: beyond all that is compared
+_ASIDE, _WIDE = 8, 1e4  # samples that one axis does not see: so it has to be this one
 _TRIED = 30  # windows of the reference
 _HALVED = 14  # how often the way there is, until a window is just above the threshold
 _LIMITS = {"cvm": (1 / 6, 1 / 45, 2 / math.pi**2), "ad": (1.0, 2 * (math.pi**2 - 9) / 3, 1.0)}
@@ -47,8 +51,7 @@ class Definition:
         self.table: list[Row] = [] if design.table is None else design.table.tolist()
         if not self.table:
             self.rows = [*zip(*self.rows, strict=True)]
-        self.reference = [sorted(row) for row in zip(*map(self.values, self.rows), strict=True)]
-        self.ranks = [[bisect_right(row, z) for z in row] for row in self.reference]
+        self.reference = np.sort([*zip(*map(self.values, self.rows), strict=True)])
         self.law = [] if settings.metric == "ks" else [*_law(settings.metric, self.n, self.m)]
         self.limits = [self.scaled(value) for value in (self.plan.threshold, self.plan.theoretical)]
         self.window: list[Row] = []  # values of the tests
@@ -83,19 +86,18 @@ class Definition:
 
     def statistic(self, test: int, window: Sequence[Row]) -> float:
         """Return the distance of the empirical distributions F and G, by definition."""
-        reference, own = self.reference[test], sorted(row[test] for row in window)
-        n, m, metric = self.n, self.m, self.settings.metric
-        below = [
-            (k, bisect_right(own, z)) for k, z in zip(self.ranks[test], reference, strict=True)
-        ]
-        below += [(bisect_right(reference, z), bisect_right(own, z)) for z in own]
-        gaps = [m * f - n * g for f, g in below]  # n m (F - G)
-        if metric == "ks":
-            return max(map(abs, gaps)) / (n * m)
-        if metric == "cvm":
-            return float(Fraction(sum(gap * gap for gap in gaps), n * m * (n + m) ** 2))
-        rows = [((n + m) * f - n * (f + g), f + g) for f, g in below]
-        return math.fsum(d * d / (b * (n + m - b)) for d, b in rows if b < n + m) / (n * m)
+        reference, own = self.reference[test], np.sort([row[test] for row in window])
+        n, m, total = self.n, self.m, self.n + self.m
+        pooled = np.concatenate([reference, own])
+        f, g = (np.searchsorted(of, pooled, side="right") for of in (reference, own))
+        gaps = m * f - n * g  # n m (F - G)
+        if self.settings.metric == "ks":
+            return int(np.abs(gaps).max()) / (n * m)
+        if self.settings.metric == "cvm":
+            return float(Fraction(sum(gap * gap for gap in gaps.tolist()), n * m * total**2))
+        b = (f + g).astype(float)  # what is done element by element is the same on each machine
+        d, b = (total * f - n * b)[b < total], b[b < total]
+        return math.fsum((d * d / (b * (total - b))).tolist()) / (n * m)
 
     def tail(self, value: float) -> float:
         """Return the probability of at least a distance, for independent samples."""
@@ -142,7 +144,8 @@ class Definition:
             value = max(statistics)
             component = statistics.index(value)
             self.violation = value >= self.limits[0]
-            bound = min(1.0, self.plan.tests * self.tail(value))
+            # of ten digits: the last ones differ between machines
+            bound = float(f"{min(1.0, self.plan.tests * self.tail(value)):.10g}")
         return {
             "omission": reason != "",
             "odd_violation": self.violation and (not reason or self.settings.on_omission == "hold"),
@@ -192,45 +195,49 @@ def _law(metric: str, n: int, m: int) -> Iterator[tuple[float, float]]:
 class _Play:
     """A run in the making."""
 
-    def __init__(self, options: SafeMLOptions) -> None:
-        self.definition, self.steps, self.t = Definition(options), list[Step](), 0
-        self.period = round(1e9 / (options.frequency or 10.0))
-        self.stride = options.plan.settings.stride
+    def __init__(self, definition: Definition) -> None:
+        self.definition, self.steps, self.t = definition, list[Step](), 0
+        self.period = round(1e9 / (definition.options.frequency or 10.0))
         self.results: dict[str, Any] = {}
 
     def step(self, value: Any, wait: int = 0, *, is_row: bool = True) -> None:
         """Add a step; of each row as many as one that enters the window needs."""
-        value = [row for row in value for _ in range(self.stride)] if is_row else value
+        times = self.definition.settings.stride if is_row else 1
+        value = [row for row in value for _ in range(times)] if times > 1 else value
         self.t += wait or self.period
         old, self.results = self.results, self.definition.step(self.t, value)
         changes = {key: of for key, of in self.results.items() if key not in old or old[key] != of}
         self.steps.append(Step(self.t, {self.definition.options.input_id: value}, changes))
 
 
-def _direction(of: Definition, test: int) -> Row:
-    """Return how a sample moves so that this test sees the most of it."""
+def _directions(of: Definition, test: int) -> Iterator[Row]:
+    """Yield how a sample moves so that this test sees the most of it, then what it does not see."""
     width = len(of.rows[0])
     units = [[float(k == feature) for k in range(width)] for feature in range(width)]
     if not of.table:
-        return [x * (of.reference[test][-1] - of.reference[test][0] or 1.0) for x in units[test]]
+        spread = min(float(of.reference[test][-1] - of.reference[test][0]), _LARGEST) or 1.0
+        yield [x * spread for x in units[test]]
+        return
     _, scale, *axes = of.table
-    rests = [
-        [x - sum(axis[k] * axis[feature] for axis in axes) for k, x in enumerate(unit)]
+    seen = [axes[test]] if test < len(axes) else axes
+    aside = [
+        [x - sum(axis[k] * axis[feature] for axis in seen) for k, x in enumerate(unit)]
         for feature, unit in enumerate(units)
     ]
-    axis = axes[test] if test < len(axes) else max(rests, key=lambda rest: _dot(rest, rest))
-    return [x * s for x, s in zip(axis, scale, strict=True)]
+    most = seen[0] if test < len(axes) else max(aside, key=lambda rest: _dot(rest, rest))
+    for way in (most, *aside[: _ASIDE if test < len(axes) else 0]):
+        yield [x * s for x, s in zip(way, scale, strict=True)]
 
 
-def _run(options: SafeMLOptions, test: int, base: Sequence[Row]) -> Run:
+def _run(of: Definition, test: int, base: Sequence[Row]) -> Run:
     """Return a window of the reference, of which row after row moves away in one direction."""
-    play = _Play(options)
-    of, digits = play.definition, 9 if options.plan.single else 12
-    direction = _direction(of, test)
+    play, (direction, *aside) = _Play(of), _directions(of, test)
 
-    def moved(row: Row, offset: float) -> list[float]:
+    def moved(row: Row, offset: float, direction: Row = direction) -> list[float]:
+        digits = 9 if of.plan.single else 12 if offset else 17
         pairs = zip(row, direction, strict=True)
-        return [float(f"{x + offset * way:.{digits}g}") for x, way in pairs]
+        values = [min(max(x + offset * way, -_LARGEST), _LARGEST) for x, way in pairs]
+        return [float(f"{value:.{digits}g}") for value in values]
 
     def is_above(row: Row, limit: float) -> bool:
         return of.statistic(test, [*of.window[1:], of.sample(row)]) >= limit
@@ -240,10 +247,11 @@ def _run(options: SafeMLOptions, test: int, base: Sequence[Row]) -> Run:
     targets = [of.limits[0]] * 2  # just below it, then just above
     if test == 0:
         points = [point for point, _ in of.law[:-1]]
-        targets += [
-            (low + high) / 2 for low, high in pairwise([*points, *(p + 1 for p in points[-1:])])
+        targets += [low / 2 + high / 2 for low, high in pairwise(points)] + [
+            p + 1 for p in points[-1:]
         ]
-    targets = [target for target in sorted(targets) if target > play.results["statistic"]]
+    begun = play.results["statistic"] or 0.0
+    targets = sorted(target for target in targets if target > begun)
     for row in base:
         low, high = 0.0, _FAR
         if targets and is_above(moved(row, high), targets[0]):
@@ -255,25 +263,17 @@ def _run(options: SafeMLOptions, test: int, base: Sequence[Row]) -> Run:
             high = low if is_below else high
         if targets or high != _FAR:
             play.step([moved(row, high)])
+    for k, way in enumerate(aside):
+        play.step([moved(base[k % len(base)], _WIDE * (-1) ** k, way)])
     if test == 0:
         _spoil(play, moved(base[0], _FAR))
-    return Run(f"shift:{options.plan.labels[test]}", play.steps)
+    return Run(f"shift:{of.plan.labels[test]}", play.steps)
 
 
 def _spoil(play: _Play, row: list[float]) -> None:
     """Add what is no sample, each followed by one, then samples that come late."""
-    wrong = {"is": "nan"}
-    spoilt = [
-        "text",
-        True,
-        {"is": "object"},
-        {"is": "absent"},
-        None,
-        [],
-        [row[1:]],
-        [[wrong, *row[1:]]],
-    ]
-    for value in spoilt:
+    no_rows = ["text", True, {"is": "object"}, {"is": "absent"}, None, []]
+    for value in (*no_rows, [row[1:]], [[{"is": "nan"}, *row[1:]]]):
         play.step(value, is_row=False)
         play.step([row])
     max_age = play.definition.options.max_age
@@ -300,7 +300,7 @@ def safeml_vectors(
     base = bases[distances.index(min(distances))]  # as much like the reference as can be
     size, complete = len(vectors_file(about, inputs, lists, complete=False)), True
     for test in tests:
-        run = _run(options, test, base)
+        run = _run(copy(of), test, base)
         size += len(text(run).encode()) + 4
         complete &= size < MOST_BYTES
         lists["runs"] += [run] if size < MOST_BYTES else []

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar
 
 from eddi_scaffold import kinds
-from eddi_scaffold.common.claims import Acceptance, Claim, Element
+from eddi_scaffold.common.claims import Acceptance, Claim, Element, held
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, in_order, problem
+from eddi_scaffold.conditions.lags import lags
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.evidence.emitted import Emitted
@@ -19,7 +22,7 @@ from eddi_scaffold.kinds.state_machine import SUFFIX, show
 from eddi_scaffold.kinds.state_machine.checks import check_machine, check_settings
 from eddi_scaffold.kinds.state_machine.compile import actions_module, compile_machine
 from eddi_scaffold.kinds.state_machine.machine import NAME, StateMachine
-from eddi_scaffold.kinds.state_machine.options import Settings, Value, read_settings
+from eddi_scaffold.kinds.state_machine.options import Evidence, Settings, Value, read_settings
 from eddi_scaffold.kinds.state_machine.read_eddi import read_machines
 from eddi_scaffold.kinds.state_machine.vectors import state_machine_vectors
 from eddi_scaffold.kinds.state_machine.verify import verify
@@ -130,7 +133,29 @@ class StateMachineModel(kinds.Model):
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the evidence: any input may make another state possible."""
         rests_on = frozenset(input_.id for input_ in inputs)
-        return [Claim(evidence.id, rests_on) for evidence in self.settings.evidence]
+        claims = []
+        for evidence in self.settings.evidence:
+            holds = held((id_, self._held_s(evidence, id_)) for id_ in sorted(rests_on))
+            claims.append(Claim(evidence.id, rests_on, holds=holds))
+        return claims
+
+    def _held_s(self, evidence: Evidence, input_: str) -> float:
+        """Return for how long evidence may hold after an input has become unknown.
+
+        For ever, unless triggers that it alone decides lead out of each state of the evidence.
+        """
+        held_s, ways = 0.0, {state.name: list[str]() for state in self.data.states}
+        values = dict(zip(self.data.triggers, self.settings.values, strict=True))
+        for each in self.data.transitions:
+            for value in (values[trigger] for trigger in each.triggers if each.after is None):
+                if value.condition is None or value.is_absent:
+                    continue
+                lags_of = lags(value.condition, value.condition.results[0].operation, -1)
+                if lags_of.keys() == {input_}:
+                    held_s = max(held_s, lags_of[input_].unknown)
+                    ways[each.source].append(each.target)
+        ends = (reached(ways, [state]).issubset(evidence.states) for state in evidence.states)
+        return math.inf if any(ends) else held_s
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return the start, if it is assumed, and the triggers that may be unknown."""

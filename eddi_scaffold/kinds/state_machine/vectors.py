@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 _F, _U, _T = range(3)
 _TRUTHS = (False, None, True)
-_MOST_STEPS, _MOST_CASES = 200, 1000
+_MOST_STEPS, _MOST_CASES, _MOST_INPUTS, _MOST_STATES = 200, 1000, 60, 200
 _NO_JSON = {"nan": math.nan, "inf": math.inf, "object": object()}
 _WRONG = tuple({"is": name} for name in (*_NO_JSON, "absent"))
 _FIELDS = ("state", "moment", "kind", "text", "target", "priority")
@@ -36,7 +37,7 @@ class _CutError(Exception):
 
 
 class Definition:
-    """One system of which each possible state is followed on each way; all inputs have come."""
+    """One system of which each possible state is followed on each way."""
 
     def __init__(
         self, machine: StateMachine, settings: Settings, inputs: Sequence[BoundInput]
@@ -58,7 +59,10 @@ class Definition:
         }
         self.raises = {key.text: key for key, of in pairs if of.is_raised}
         self.absent = {key for key, of in pairs if of.is_absent}
+        self.limited = {of.id for of in inputs if isinstance(of.max_age, int | float)}
+        self.sporadic = {*self.orders.values()} - self.limited  # those that need never come
         self.samples: list[Sample] = []
+        self.came: set[str] = set()
         self.settled: set[Any] = set()  # conditions that have been known, or were wrong
         begun = _U if settings.start == "unknown" else _F
         self.held = {of: begun for of in machine.triggers if of.is_persistent}
@@ -77,7 +81,7 @@ class Definition:
         if len(self.samples) == 1:
             self.possible = dict(initial if self.settings.start == "initial" else anywhere)
         if not 0 <= t - last <= self.max_gap:
-            self.settled |= {*self.conditions}
+            self.settled |= {*self.conditions, *self.orders}
         if t < last:
             self.possible = {of: (-math.inf, t, due) for of, (_, _, due) in self.possible.items()}
         elif t - last > self.max_gap:
@@ -141,25 +145,38 @@ class Definition:
         return value * num / den if is_number and num != den else value
 
     def _is_usable(self, name: str, raws: Given) -> bool:
-        raw, read = raws[name], self.reads.get(name)
-        return raw is not None and (read is None or sample_of(read, raws) is not None)
+        if raws[name] is None:
+            return name in self.sporadic and name not in self.came
+        return name not in self.reads or sample_of(self.reads[name], raws) is not None
 
     def _read(self) -> dict[Any, int]:
         """Return the truths; what is not known since the start is FALSE, and nothing is claimed."""
         raws, self.waiting = self.samples[-1].values, False
+        self.came |= {name for name, raw in raws.items() if raw is not None}
         values: dict[Any, int] = {of: self.raised.get(of, _F) for of in self.raises.values()}
-        for key, name in self.orders.items():
-            rows = raws[name] if isinstance(raws[name], list) else [raws[name]]
-            truths = [_TRUTHS.index(row) if isinstance(row, bool) else _U for row in rows]
-            values[key] = max(truths, default=_F)
-        for key, program in self.conditions.items():
-            value = _TRUTHS.index(History(program, self.samples).results()[-1][0])
-            if value != _U or not all(self._is_usable(read.name, raws) for read in program.reads):
+        for key in {**self.conditions, **self.orders}:
+            if key in self.orders:
+                names = {self.orders[key]}
+                rows = raws[self.orders[key]] if names <= self.came else []
+                rows = rows if isinstance(rows, list) else [rows]
+                truths = [_TRUTHS.index(row) if isinstance(row, bool) else _U for row in rows]
+                value = max(truths, default=_F)
+            else:
+                names = {read.name for read in self.conditions[key].reads}
+                value = _TRUTHS.index(History(self.conditions[key], self.samples).results()[-1][0])
+            wrong = any(name in self.came and not self._is_usable(name, raws) for name in names)
+            never, is_once = names - self.came, self._is_once(key)
+            if wrong or (value != _U and not never):
                 self.settled.add(key)
-            is_known = key in self.settled or key in self.settings.observe
-            is_known |= self.settings.start == "unknown" and not self._is_once(key)
-            values[key] = value if is_known else _F
-            self.waiting |= not is_known and not self._is_once(key)
+            early = value == _U and not wrong and bool(never or key not in self.settled)
+            late = bool(never & self.limited if is_once else never)
+            is_order = key is None and key in self.orders
+            if key in self.settings.observe or is_order:
+                early, late = early and is_order, False
+            elif self.settings.start == "unknown" and (late or not is_once):
+                early = late = False
+            values[key] = _F if early else value
+            self.waiting |= late or (early and not is_once and not is_order)
         return values
 
     def _is_once(self, key: Any) -> bool:
@@ -242,7 +259,7 @@ class _Plan(NamedTuple):
     steps: Steps
     since: str = ""  # the first time counts from when this is so
     is_settled: bool = False  # windows are full before
-    is_brief: bool = False  # claims do not count, which are withheld while windows fill
+    is_brief: bool = False  # only states count
 
 
 class _Play:
@@ -253,18 +270,22 @@ class _Play:
         self.plan, self.is_gap = plan, plan.name.startswith("gap:")
         self.given: dict[str, Any] = dict.fromkeys(definition.factors)
         self.results: dict[str, Any] = {}
-        self.steps: list[Step] = []
+        self.steps: list[Any] = []
 
     def step(self, wait: int, given: Given) -> None:
         """Add steps as close as windows need, the last one with other inputs."""
         while wait > self.longest and not (self.is_gap and self.steps):
             self.step(self.longest, given if not self.steps else self.given)
             wait -= self.longest
-        if len(self.steps) == _MOST_STEPS:
+        of = self.definition
+        if len(of.samples) == _MOST_STEPS:
             raise _CutError
-        results = self.definition.step(self.t + wait, given) if wait else {"raised": []}
+        silent = {name for name in of.sporadic if given[name] == [] and name not in of.came}
+        given = {**given, **dict.fromkeys(silent)}
+        results = of.step(self.t + wait, given) if wait else {"raised": []}
         if wait and self.plan.state and (self.definition.waiting or self.plan.is_brief):
-            results = {name: results[name] for name in ("raised", "state", "unknown_inputs")}
+            names = ("state", "unknown_inputs", *([] if self.plan.is_brief else ["raised"]))
+            results = {name: results[name] for name in names}
         changes = [
             {key: of for key, of in new.items() if repr(of) != repr(before.get(key, "nothing"))}
             for new, before in ((given, self.given), (results, self.results))
@@ -272,7 +293,12 @@ class _Play:
         self.t += wait
         self.given |= given
         self.results |= results
-        self.steps.append(Step(self.t, *changes))
+        if any(changes) or not wait:
+            self.steps.append(Step(self.t, *changes))
+        elif self.steps[-1][1:] == (wait,):
+            self.steps[-1] = (self.t, wait)
+        else:  # steps until then in which nothing changes
+            self.steps.append((self.t, wait))
 
 
 class _Player:
@@ -292,10 +318,14 @@ class _Player:
         }
         limits = {name: self._limits(name, *of.conditions) for name in of.reads}
         self.domain = {name: [*self._domain(*limits[name])] for name in of.reads}
+        self.missed: set[str] = (
+            set()
+        )  # runs of which the state is not reached, though there is a way
         self.spoilt: set[str] = set()  # inputs that had a value of a wrong type
         self.wanted = {key: _T if key in self.settings.observe else _F for key in of.conditions}
         nothing = {name: list[Any]() for name in of.orders.values()}
-        self.calm = {key: values[0] for key, values in self.domain.items()} | nothing
+        self.calm: dict[str, Any] = dict.fromkeys(of.factors) | nothing
+        self.calm |= {key: values[0] for key, values in self.domain.items()}
         for key, truth in self.wanted.items():
             self.calm |= self.search({key: truth}) or {}
 
@@ -318,10 +348,14 @@ class _Player:
             yield from (low, low / 2 + high / 2)
 
     def truth(self, key: Any, given: Given) -> int:
-        """Return the truth of a condition of which the inputs never change."""
+        """Return the truth of a condition of inputs that were at rest, and then do not change."""
         program = self.definition.conditions[key]._replace(period=1 << 61)
-        raws = {name: self.definition.raw(name, given[name]) for name in self.needs[key]}
-        return _TRUTHS.index(History(program, [Sample(0, raws, {})]).results()[-1][0])
+        raws = [
+            {name: self.definition.raw(name, row[name]) for name in self.needs[key]}
+            for row in (self.calm, given)
+        ]
+        samples = [Sample(k << 60, row, {}) for k, row in enumerate(raws)]
+        return _TRUTHS.index(History(program, samples).results()[-1][0])
 
     def cases(self, *keys: Any) -> Iterator[dict[str, Any]]:
         """Yield all inputs of conditions, with the others at rest."""
@@ -352,19 +386,21 @@ class _Player:
         """Yield the row of each input with an age limit and a source of its own."""
         for input_ in inputs:
             keys = [key for key, needs in self.needs.items() if input_.id in needs]
-            given = self.made(dict.fromkeys(keys[:1], _T))
-            given |= dict.fromkeys(self.definition.orders.values(), False)
-            late = {**given, input_.id: None}
-            row = age_row(
-                input_, given, *(Definition(*self.parts).step(0, of) for of in (given, late))
-            )
-            others = [other for other in inputs if other is not input_]
-            if row and not any({*other.requires} & {*input_.requires} for other in others):
-                yield row
+            orders = dict.fromkeys(self.definition.orders.values(), False)
+            given = {**(self.search(dict.fromkeys(keys[:1], _T)) or self.calm), **orders}
+            others = [set(other.requires) for other in inputs if other is not input_]
+            with suppress(_CutError):
+                late = {**given, input_.id: _WRONG[0]}
+                results = [Definition(*self.parts).step(0, of) for of in (given, late)]
+                row = age_row(input_, given, *results)
+                if row and all(other.isdisjoint(input_.requires) for other in others):
+                    yield row
 
     def reach(self, play: _Play, plan: _Plan) -> None:
         """Bring a run into a state."""
         of = play.definition
+        if not plan.state:
+            return
         play.step(self.period, self.calm)
         while plan.is_settled and of.waiting:
             play.step(self.longest, self.calm)
@@ -373,9 +409,12 @@ class _Player:
         ways: dict[str, list[Transition]] = {state: [] for state in of.possible}
         for source in (open_ := [*ways]):
             for each in self.machine.leaving[source]:
-                if each.target not in ways:
+                can_fire = each.triggers or each.after is not None
+                if can_fire and each.target not in ways:
                     ways[each.target] = [*ways[source], each]
                     open_.append(each.target)
+        if plan.state in ways:
+            self.missed.add(plan.name)
         for each in ways.get(plan.state, []):
             if each.after is not None:
                 over = of.possible[each.source][1] + round(each.after * 1e9)
@@ -386,15 +425,16 @@ class _Player:
             play.step(self.period, given := self.made(dict.fromkeys(keys[:1], _T)))
             while [*of.possible] == [each.source] != [each.target]:
                 play.step(self.longest, given)
-        if plan.state and [*of.possible] != [plan.state] and self.settings.start == "initial":
+        if [*of.possible] != [plan.state] and self.settings.start == "initial":
             raise _CutError  # else it is one of those where it may be
+        self.missed.discard(plan.name)
 
     def run(self, plan: _Plan) -> Run | None:
         """Return the run, ``None`` where its state is not reached."""
         play, reached = _Play(Definition(*self.parts), plan, self.longest), 0
         try:
             self.reach(play, plan)
-            reached = len(play.steps)
+            reached = len(play.steps) + 1
             begun = play.definition.good_since | {
                 of: int(stay[1])
                 for of, stay in play.definition.possible.items()
@@ -404,7 +444,7 @@ class _Player:
                 late = begun.pop(plan.since, play.t) - play.t
                 play.step(wait + late, {**self.made(wants), **(given[0] if given else {})})
         except _CutError:
-            return Run(plan.name, play.steps) if len(play.steps) > reached > 0 else None
+            return Run(plan.name, play.steps) if len(play.steps) >= reached > 0 else None
         return Run(plan.name, play.steps)
 
     def guards(self, trigger: Trigger) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -421,7 +461,7 @@ class _Player:
             near = [math.nextafter(of, to) for of in limits for to in (-math.inf, math.inf)]
             values = [*limits, *near] or self.domain[name]
             wrong = [*_WRONG, "1", True if limits else 1][: 1 if name in self.spoilt else None]
-            for value in [*values, *wrong] if case else ():
+            for value in [None, *values, *wrong] if case else ():
                 self.spoilt.add(name)
                 yield f"{name} = {text(value)}", {**(case or {}), name: value}
 
@@ -457,9 +497,10 @@ class _Player:
             if state in settings.observe:
                 yield _Plan(f"observed:not {state}", state, [(p, {state: _F}), (p, {})])
         for width in sorted({width for rows in self.windows.values() for width, _ in rows}):
-            yield _Plan(f"window:{width} ns is full", "", [(width - p - 1, {}), (1, {})])
+            steps = [(p, {}), (width - p - 1, {}), (1, {})]
+            yield _Plan(f"window:{width} ns is full", "", steps)
             gaps = [(wait, {}) for wait in (p, 0, self.longest, self.longest + 1, p)]
-            yield _Plan(f"gap:of window {width} ns", "", gaps, is_settled=True)
+            yield _Plan(f"gap:of window {width} ns", next(iter(leaving)), gaps, is_settled=True)
         for key in dict.fromkeys(key for each in rows for key in each.triggers):
             each = next(each for each in rows if key in each.triggers)
             back = [
@@ -474,9 +515,14 @@ class _Player:
                 yield _Plan(f"window:{names[each]}, {key.text}", each.source, steps)
             for shown, given in self.guards(key):
                 tries: Steps = [(wait, {}, given) for wait in stays[key]]
+                if shown.endswith(("null", '"nan"}')):  # not known from the start on, or wrong
+                    longest = [w for rows in self.windows.values() for w, _ in rows] or [p]
+                    late = [(p, {}, given), (max(longest), {}, given), (p, {})]
+                    yield _Plan(f"start:{key.text}, {shown}", "", late)
                 is_full = bool(self.windows[key]) and self.truth(key, given) == _F
                 name = f"guard:{names[each]}, {shown}"
-                yield _Plan(name, each.source, tries, "", is_full, is_brief=True)
+                is_brief = '"nan"' not in shown
+                yield _Plan(name, each.source, tries, "", is_full, is_brief)
 
 
 def state_machine_vectors(
@@ -485,19 +531,23 @@ def state_machine_vectors(
     inputs: Sequence[BoundInput],
     about: Mapping[str, str],
 ) -> str:
-    """Return the content of ``vectors.json``; ``about`` says of which model it is."""
+    """Return the content of ``vectors.json``, empty where it would be too much."""
+    if len(inputs) > _MOST_INPUTS or len(machine.states) > _MOST_STATES:
+        return ""
     player = _Player(machine, settings, inputs)
     lists: dict[str, list[Any]] = {
         "tables": [("actions", _actions(player.definition))],
         "ages": [*player.ages(inputs)],
         "runs": [],
     }
-    size, complete = len(vectors_file(about, inputs, lists, complete=False)), True
-    for run in map(player.run, player.plans()):
+    size = len(vectors_file(about, inputs, lists, complete=False))
+    for run in filter(None, map(player.run, player.plans())):
         size += len(text(run).encode()) + 4
-        complete &= run is not None and size < MOST_BYTES
-        lists["runs"] += [run] if run is not None and size < MOST_BYTES else []
-    return vectors_file(about, inputs, lists, complete=complete)
+        if size > MOST_BYTES:
+            break
+        lists["runs"].append(run)
+    complete = not player.missed and size <= MOST_BYTES
+    return vectors_file(about, inputs, lists, complete=complete) if lists["runs"] else ""
 
 
 def _actions(of: Definition) -> list[list[Any]]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
+from functools import partial
 from itertools import zip_longest
 from types import SimpleNamespace
 from typing import Any, Callable, Dict, Iterator
@@ -21,20 +23,26 @@ def failures(file: str, monitor: Callable[[], Any], eddi_input: type[Any]) -> li
     with open(file, encoding="utf-8") as opened:  # noqa: PTH123 - as the rest of the runtime
         data = json.load(opened)
     class_ = _ConSertVectors if "guarantees" in data else _Vectors
-    return [*class_(data, monitor, eddi_input).failures()]
+    made = type(monitor())  # without methods of a person
+    logging.disable(logging.WARNING)  # of what is not foreseen, and tried on purpose
+    try:
+        return [*class_(data, made, eddi_input).failures()]
+    finally:
+        logging.disable(logging.NOTSET)
 
 
 class _Vectors:
     """Vectors of any kind: runs of steps, and messages that become too old."""
 
-    def __init__(self, data: Any, monitor: Callable[[], Any], eddi_input: type[Any]) -> None:
+    def __init__(self, data: Any, monitor: Callable[..., Any], eddi_input: type[Any]) -> None:
         self.data, self.monitor, self.eddi_input = data, monitor, eddi_input
         self.attributes = {row[0]: row[1] for row in data["inputs"]}
+        self.now: Values = {}  # in a step
 
     def failures(self) -> Iterator[str]:
         yield from self.tables(self.monitor())
         for name, steps in self.data["runs"]:
-            monitor, other = self.monitor(), self.monitor()
+            monitor, other = self.new(steps), self.new(steps)
             yield from self.run(name, steps, monitor, other)
         if self.data["runs"]:
             other.reset()
@@ -42,21 +50,26 @@ class _Vectors:
         yield from self.messages()
         yield from self.expressions()
 
+    def new(self, steps: Any) -> Any:
+        """Return a monitor for steps, in which methods that a person may write give values."""
+        given = {key for _, *changes in steps if len(changes) > 1 for key in changes[0]}
+        keys = given.difference(self.attributes)
+        methods = {key[:-2]: partial(self.now.get, key) for key in keys}
+        hooks = SimpleNamespace(update_dra_data=lambda _: None, **methods)
+        return self.monitor(hooks) if keys else self.monitor()
+
     def run(self, name: str, steps: Any, monitor: Any, other: Any) -> Iterator[str]:
         """Compare the results of steps; another monitor beside it shares nothing."""
-        values: Values = dict.fromkeys(self.attributes)
-        expected: dict[str, Any] = {}
-        ages: dict[str, int] = {}  # in nanoseconds
-        for number, (t_ns, changes, results, *late) in enumerate(_each(steps), 1):
-            values.update(changes)
-            expected.update(results)
-            ages.update(*late)
-            source = self.source(values)
+        unknown = dict.fromkeys(self.attributes)
+        for number, (t_ns, values, expected, ages) in enumerate(_each(steps), 1):
+            self.now.clear()
+            self.now.update(unknown, **values)
+            source = self.source(self.now)
             if ages:
-                source.states = {k: SimpleNamespace(age=ns / 1e9) for k, ns in ages.items()}
+                source.states = {k: SimpleNamespace(age=age) for k, age in ages.items()}
             other.execute_step(SimpleNamespace(), t_ns)
-            output = monitor.execute_step(source, t_ns)
-            yield from _results(f"{name}, step {number}", expected, _shown(monitor, output))
+            shown = _shown(monitor, monitor.execute_step(source, t_ns))
+            yield from _results(f"{name}, step {number}", expected, shown)
 
     def tables(self, monitor: Any) -> Iterator[str]:
         """Compare what is no function of the inputs."""
@@ -68,13 +81,13 @@ class _Vectors:
             yield from _compared(name, rows, getattr(monitor, name))
 
     def source(self, values: Values) -> SimpleNamespace:
-        named = {self.attributes[id_]: _value(value) for id_, value in values.items()}
-        named = {name: value for name, value in named.items() if value is not _ABSENT}
-        return SimpleNamespace(**named)
+        named = {name: _value(values[id_]) for id_, name in self.attributes.items()}
+        return SimpleNamespace(**{k: value for k, value in named.items() if value is not _ABSENT})
 
     def messages(self) -> Iterator[str]:
         """Hand in messages of an age; what a person wrote is replaced."""
-        rows = [row for row in self.data["inputs"] if not row[7]]  # without an expression
+        # those of messages, and without an expression
+        rows = [row for row in self.data["inputs"] if row[2] and not row[7]]
         sources = {name: object() for row in self.data["inputs"] for name in row[2]}
         values: Values = {}
         replaced = self.replaced(values)
@@ -96,9 +109,8 @@ class _Vectors:
                 made.processing(sources)
                 monitor = self.monitor()
                 outputs = [monitor.execute_step(made, 0) for _ in range(self.data["steps"])]
-                yield from _results(
-                    f"{id_} at the age {age}", results, _shown(monitor, outputs[-1])
-                )
+                shown = _shown(monitor, outputs[-1])
+                yield from _results(f"{id_} at the age {age}", results, shown)
 
     def replaced(self, values: Values, computed: str = "") -> type[Any]:
         """Return an ``EDDIInput`` with these values, but for the input that is computed."""
@@ -114,42 +126,31 @@ class _Vectors:
         return type("Replaced", (self.eddi_input,), methods)
 
     def expressions(self) -> Iterator[str]:
-        """Compare what expressions give; values of messages are given by what is asked for."""
+        """Compare what expressions give; messages answer what is asked for with given values."""
+        now: Values = {}
         for id_, fields, runs in self.data.get("expressions", ()):
             names = {json.dumps(asked): name for name, asked in fields.items()}
+
+            def field(_: Any, messages: Values, *asked: Any, names: Any = names) -> Any:
+                there = messages.get(asked[0]) is not None
+                return _value(now[names[json.dumps(asked)]]) if there else None
+
+            specs = [*self.monitor().inputs]
+            number = [spec.id for spec in specs].index(id_)
+            asking = type("Asking", (specs[number].expression,), {"field": field})
+            specs[number] = specs[number]._replace(expression=asking)
             for name, steps in runs:
-                values: Values = {}
-                yield from self.expression(id_, name, _each(steps), names, values)
-
-    def expression(
-        self, id_: str, run: str, steps: Any, names: dict[str, str], values: Values
-    ) -> Iterator[str]:
-        def field(_: Any, messages: Values, *asked: Any) -> Any:
-            there = messages.get(asked[0]) is not None
-            return values[names[json.dumps(asked)]] if there else None
-
-        made = self.replaced(values, id_)()
-        specs = [
-            spec._replace(expression=type("Asking", (spec.expression,), {"field": field}))
-            if spec.id == id_
-            else spec
-            for spec in self.monitor().inputs
-        ]
-        made.bind(specs)
-        expected: Values = {}
-        ages: dict[str, int] = {}  # in nanoseconds
-        messages: Values = {}
-        for number, (t_ns, changes, results, *late) in enumerate(steps, 1):
-            values.update((name, _value(said)) for name, said in changes.items())
-            expected.update(results)
-            ages.update(*late)
-            if changes:
-                sources = [of for spec in specs for of in spec.requires]
-                messages = {of: object() for of in sources if values.get(f"{of} is there", True)}
-            made.begin_step({of: ns / 1e9 for of, ns in ages.items()}, t_ns=t_ns)
-            made.processing(messages)
-            got = {"value": getattr(made, self.attributes[id_])}
-            yield from _results(f"{id_}: {run}, step {number}", expected, got)
+                made = self.replaced(now, id_)()
+                made.bind(specs)
+                for k, (t_ns, values, expected, ages) in enumerate(_each(steps), 1):
+                    now.update(values)
+                    sources = [of for spec in specs for of in spec.requires]
+                    made.begin_step(ages, t_ns=t_ns)
+                    made.processing(
+                        {of: object() for of in sources if now.get(f"{of} is there", 1)}
+                    )
+                    shown = {"value": getattr(made, self.attributes[id_])}
+                    yield from _results(f"{id_}: {name}, step {k}", expected, shown)
 
     def given(self, values: Any) -> Values:
         return {**dict.fromkeys(self.attributes), **values}
@@ -158,7 +159,7 @@ class _Vectors:
 class _ConSertVectors(_Vectors):
     """Vectors of a ConSert: a letter for each input and each guarantee."""
 
-    def __init__(self, data: Any, monitor: Callable[[], Any], eddi_input: type[Any]) -> None:
+    def __init__(self, data: Any, monitor: Callable[..., Any], eddi_input: type[Any]) -> None:
         super().__init__(data, monitor, eddi_input)
         self.values = {id_: {"T": t, "F": f, "U": None} for id_, f, t in data["states"]}
 
@@ -213,15 +214,22 @@ class _ConSertVectors(_Vectors):
         yield from _compared(f"{name}: inputs", words, monitor.input_verdicts())
 
 
-def _each(rows: Any) -> Iterator[Any]:
-    """Yield steps; ``[until, period]`` are steps in which nothing changes."""
+def _each(rows: Any) -> Iterator[tuple[int, Values, Values, dict[str, float]]]:
+    """Yield time, values, results and ages in seconds; each is as before where nothing is said.
+
+    ``[until, period]`` are steps in which nothing changes.
+    """
+    kept: tuple[Values, Values, dict[str, int]] = ({}, {}, {})
     t = 0
-    for row in rows:
-        if len(row) == 2:
-            yield from ((k, {}, {}) for k in range(t + row[1], row[0] + 1, row[1]))
+    for end, *changes in rows:
+        times = [end]
+        if len(changes) == 1:
+            times = [*range(t + changes[0], end + 1, changes[0])]
         else:
-            yield row
-        t = row[0]
+            for now, new in zip(kept, changes):
+                now.update(new)
+        for t in times:
+            yield t, *kept[:2], {name: ns / 1e9 for name, ns in kept[2].items()}
 
 
 def _value(said: Any) -> Any:
@@ -240,9 +248,9 @@ def _compared(name: str, expected: Any, got: Any) -> Iterator[str]:
 def _shown(monitor: Any, output: Any) -> Values:
     known = monitor.as_json(output)
     shown = {**(known if isinstance(known, dict) else {}), **monitor.series(output)}
-    if isinstance(output, list):
-        shown.update((f"{row['id']} is active", row["active"]) for row in output)
-    return shown
+    rows = output if isinstance(output, list) else ()
+    active = {f"{row['id']} is active": row["active"] for row in rows if isinstance(row, dict)}
+    return {**shown, **active}
 
 
 def _results(name: str, expected: Values, got: Values) -> Iterator[str]:

@@ -121,3 +121,25 @@ def test_a_publisher_that_is_too_slow_for_the_limit(frequency, age, case, how, t
     for given in (files, files[::-1]):
         problems = [one.case for one in check_files(given) if one.code == "K029"]
         assert problems == ([case] if case else [])
+
+
+EVENT = """Model: {{id: e, type: Event, model: e.events, frequency: 10}}
+SimulatorOutputs: [{{id: x, type: std_msgs/Float32, topic: /x}}]
+EDDIInputs: [{{id: x, from: x, max_age: 0.5 s}}]
+"""
+
+
+@tabled
+def test_what_holds_on_counts(condition: str, seconds: float, tmp_path: Path) -> None:
+    (tmp_path / "e.events").write_text(f"VAR x : NUMBER\nEVENT e {condition}\n", "utf-8")
+    (tmp_path / "c.yml").write_text(EVENT.format(), "utf-8")
+    (bound,) = bounds(members_of(monitors_of(None, [tmp_path / "c.yml"])[0]))
+    assert round(bound.seconds, 9) == seconds
+
+
+@tabled
+def test_windows_of_an_expression_count(expression: str, seconds: float, tmp_path: Path) -> None:
+    entry = f"expression: '{expression}', max_age: 0.5"
+    config = written(tmp_path, "m", SENSOR, entry)
+    (bound,) = bounds(members_of(monitors_of(None, [config])[0]))
+    assert round(bound.seconds, 9) == seconds

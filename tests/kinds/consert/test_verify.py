@@ -60,6 +60,7 @@ def test_a_mutant_that_is_called_proved_is_equal_by_exhaustion() -> None:
         ('in {"none", "low"}', 'in {"none"}', "it has no known form"),
         ('paths=(("Clear", "Light"),)', 'paths=(("Clear",),)', "paths=(('Clear',),)"),
         (", source):\n", ", source):\n        self.judge = None\n", "it has no known form"),
+        ("Lower == 2,", "Lower,", "it has no known form"),
         ("self.judge(1, Light)", "self.judge(0, Light)", "it has no known form"),
         ("source.Clear, source.Light", "source.Light, source.Clear", "it is not the input Clear"),
     ],
@@ -76,6 +77,56 @@ def test_differences_have_a_counterexample(
     assert old in text
     finding = checked(monitor, text.replace(old, new, 1))[1][0]
     assert expected in finding.text
+
+
+CONFIG = """\
+Model: {id: cart, type: ConSert, frequency: 10}
+SimulatorOutputs:
+- {id: scan, topic: /scan, type: sensor_msgs/LaserScan}
+- {id: odom, topic: /odom, type: nav_msgs/Odometry}
+EDDIInputs:
+- id: Clear
+  expression: NOT ONCE(MIN(scan.ranges[*], SECTOR -30 deg .. 30 deg) < 0.5 m, 1 s)
+  max_age: 0.5
+- id: Slow
+  expression: COUNT(scan.ranges[*] + 1 m < 2 m, LENGTH 3 .. 1000) < 5
+    OR odom.twist.twist.linear.x < 1
+  max_age: 0.5
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("", ""),
+        ("hold.Hold(1000000000, 900000000, 2)", "hold.Hold(1000000000, 900000000, 0)"),
+        (".windows[0].push", ".windows[1].push"),
+        ("2 * (t - last) > 500000000", "2 * (t - last) > 400000000"),
+        ("-0.5235987755982988, ", "0.5235987755982988, "),
+        ("(3, 1000)", "(3, 1001)"),
+        ("lists.finite(a + r1) for a in", "lists.finite(a - r1) for a in"),
+        ("lists.aggregate(min, ", "lists.aggregate(max, "),
+        ('("twist", "twist", "linear", "x")', '("twist", "twist", "linear", "y")'),
+        (" < 1.0 else 0 if ", " < 1.0 else 1 if "),
+        (" < 5.0 else", " <= 5.0 else"),
+        ("= expressions.stamp(t, ages.get", "= expressions.stamp(t, messages.get"),
+        ('= {"scan": ("message", "scan")', '= {"scan": ("message", "odom")'),
+        ("expression=Expression_Slow", "expression=Expression_Clear"),
+        ("    type = ", "    hazard = True\n    type = "),
+        ("self.last = t\n", ""),
+        ("        outputs = (", "        self.since = 0\n        outputs = ("),
+    ],
+)
+def test_expressions_of_inputs(old: str, new: str, tmp_path: Path) -> None:
+    guarantees = "evidence: {Clear: bool, Slow: bool}\nguarantees: {Go: Clear AND Slow}\n"
+    (tmp_path / "cart.yml").write_text(guarantees, "utf-8")
+    (tmp_path / "config.yml").write_text(CONFIG, "utf-8")
+    (monitor,), _ = monitors_of(tmp_path / "cart.yml", [tmp_path / "config.yml"])
+    text = monitor.compiled.text
+    assert old in text
+    proved, findings = checked(monitor, text.replace(old, new, 1) if old else text)
+    assert bool(findings) == bool(old)
+    assert bool(proved) == (not old)
 
 
 def test_three_hundred_gates_take_less_than_two_seconds(tmp_path: Path) -> None:

@@ -29,13 +29,14 @@ def test_a_monitor_passes_its_vectors(metric: str, keys: dict[str, Any], tmp_pat
     assert {True, False} <= {result.get("odd_violation") for result in results}
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::SyntaxWarning")
 def test_each_mutant_is_killed_or_proved_equal(tmp_path: Path) -> None:
     package = Package(
         "camera_scope", "safeml/safeml_config.yml", "safeml/perception_config.yml", tmp_path
     )
     assert json.loads(package.vectors.read_text())["complete"]
-    survivors, _ = package.survivors(most=40)
+    survivors, _ = package.survivors(most=30)
     original = package.class_of(package.body)
     points = [value + d for value in original.tail._values for d in (-1e-6, 0.0, 1e-6)]
     values = sorted([*points, *(k / 100 for k in range(2000))])

@@ -1,0 +1,68 @@
+"""``eddi-scaffold inject``: faults in a recording, and when guarantees are gone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.console import ExitStatus, console
+from eddi_scaffold.cli.options import Files
+from eddi_scaffold.cli.run import recorded
+from eddi_scaffold.common.problems import EddiError, problem
+
+_HEAD = ("guarantee", "fault", "on", "measured", "bound", "within", "verdict")
+
+
+def inject(
+    files: Files = None,
+    inputs: Path | None = None,
+    bag: Path | None = None,
+    faults: str | None = None,
+    phases: Annotated[int, typer.Option("--phases", min=1, max=1000)] = 8,
+    as_json: bool = False,
+) -> None:
+    """Inject faults into a recording.
+
+    Prints after what time each guarantee of `Reactions:` is gone, with the computed bound and the
+    time that is allowed.
+
+    Example: eddi-scaffold inject robot.yml --bag shift.bag
+
+    Args:
+        files: Configurations that name their models, or a deployment.yml.
+        inputs: CSV as `run` takes it.
+        bag: ROS 1 or 2 bag with the topics of the configurations.
+        faults: Only these of `Reactions:`, with commas between them.
+        phases: How often each fault is injected, at other times and with other starts of the
+            monitors.
+    """
+    from eddi_scaffold.config.schema import FAULTS
+    from eddi_scaffold.deployments.injection import Injector
+
+    options = {"-c": (), "--name": None, "-g": (), "--system": None, "--models": None}
+    members, recording = recorded(files or [], inputs, bag, None, options, code=False)
+    chosen = [name.strip() for name in faults.split(",")] if faults else FAULTS
+    if unknown := [name for name in chosen if name not in FAULTS]:
+        raise typer.BadParameter(f"{unknown[0]!r}; there are {', '.join(FAULTS)}")
+    configured = all(member.monitor.config is not None for member in members)
+    rows = [*Injector(members, recording, phases).rows(chosen)] if configured else []
+    if not rows:
+        raise EddiError(problem("G000.no_reactions"))
+    if as_json:
+        facts = {member.name: member.monitor.facts for member in members}
+        monitors = [
+            {"monitor": name, "digest": of.digest, "file": of.file, "sha256": of.file_sha256}
+            for name, of in facts.items()
+        ]
+        head = {"format": 1, "recording": str(inputs or bag), "phases": phases}
+        console.json({**head, "monitors": monitors, "rows": [row.as_json() for row in rows]})
+    else:
+        table = [_HEAD, *(row.cells() for row in rows)]
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        for cells in table:
+            line = "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True))
+            console.data(line.rstrip())
+    if any(row.verdict != "met" and not row.is_accepted for row in rows):
+        raise typer.Exit(ExitStatus.NO)
