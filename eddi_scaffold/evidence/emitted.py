@@ -25,6 +25,7 @@ Holes = dict[str, Any]  # what the letters of a form stand for: expressions, nam
 EXPRESSIONS = ("expression", "hold", "lists", "stacks", "window", "windows")
 """Modules of the runtime below ``eddi_runtime.expressions``; all others are below the kind's."""
 _CONSTANTS = ("INF = float('inf')", "NAN = float('nan')")
+_BUILTINS = {*vars(builtins), "__file__", "__spec__"}
 _PLACES = {"ctx", "kind", "type_comment", "type_params"}  # fields that decide nothing
 
 
@@ -207,7 +208,7 @@ class Emitted:
             tree = ast.parse(text)
         except (SyntaxError, ValueError, RecursionError) as error:
             raise UnprovedError(None, f"it is no Python: {error}") from None
-        names = set[str]()
+        names, above = set[str](), list[tuple[ast.stmt, set[str]]]()
         for node in tree.body[1 if ast.get_docstring(tree) is not None else 0 :]:
             is_small = not isinstance(node, ast.ClassDef | ast.FunctionDef)
             taken, new = ast.unparse(node) if is_small else "", ""
@@ -240,23 +241,37 @@ class Emitted:
                     raise UnprovedError(node)
             if names & {*new.split()}:
                 raise UnprovedError(node, "a name has two meanings")
+            above.append((node, {*names}))
             names |= {*new.split()}
         if "needs" not in names:
             raise UnprovedError(None, "it does not say which runtime it needs")
-        self._refuse_hidden(tree, names)
+        for node, before in above:
+            self._check_names(node, before, names)
 
-    def _refuse_hidden(self, tree: ast.Module, names: AbstractSet[str]) -> None:
-        """Refuse variables that hide what is called in the same function."""
-        for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
-            own, called = set[str](), {"INF", "NAN"}
-            for of in ast.walk(function):
+    def _check_names(self, node: ast.stmt, above: AbstractSet[str], all_: AbstractSet[str]) -> None:
+        """Refuse names that are not defined, and variables that hide what is called.
+
+        What runs when the module is loaded needs what is ``above`` it, a function ``all_``.
+        """
+        parts = node.body if isinstance(node, ast.ClassDef) else [node]
+        own = {ast.unparse(of.targets[0]) for of in parts if isinstance(of, ast.Assign)}
+        for part in parts:
+            is_function = isinstance(part, ast.FunctionDef)
+            own, used, called = set() if is_function else own, set[str](), {"INF", "NAN"}
+            for of in ast.walk(part):
                 match of:
                     case ast.Name(ctx=ast.Store(), id=name) | ast.arg(arg=name):
                         own.add(name)
+                    case ast.FunctionDef(name=name) if of is not part:
+                        own.add(name)
+                    case ast.Name(id=name):
+                        used.add(name)
                     case ast.Call():
                         called.add(ast.unparse(of.func).partition(".")[0])
-            if own & called & {*names, *vars(builtins)}:
-                raise UnprovedError(function, "a variable hides what is called")
+            if used - own - (all_ if is_function else above) - _BUILTINS:
+                raise UnprovedError(part, "it uses a name that is not defined")
+            if is_function and own & called & (all_ | _BUILTINS):
+                raise UnprovedError(part, "a variable hides what is called")
 
     def differs(self, node: ast.AST | None, text: str) -> None:
         """Note a difference from the model."""

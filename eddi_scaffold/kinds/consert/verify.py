@@ -106,8 +106,8 @@ class _Proof:
             made.end()
         if "step" in monitor.methods or not numbers:
             self._step(monitor.method("step", "self, source"))
-        if "execute_step" in monitor.methods:
-            self._execute(monitor.method("execute_step", "self, source, t_ns=None"))
+            if self.consert.guarantees:
+                self._execute(monitor.method("execute_step", "self, source, t_ns=None"))
         emitted.end(monitor)
         names = ", ".join(guarantee.id for guarantee in self.consert.guarantees) or "no guarantee"
         yield f"{names} for all verdicts of {plural(len(self.inputs), 'input')}"

@@ -79,6 +79,22 @@ def test_differences_have_a_counterexample(
     assert expected in finding.text
 
 
+def test_each_statement_is_needed(tmp_path: Path) -> None:
+    monitor = crane(tmp_path)
+    text = monitor.compiled.text
+    places = [
+        (number, k)
+        for number, node in enumerate(ast.walk(ast.parse(text)))
+        for k in range(len(getattr(node, "body", ())) if not isinstance(node, ast.IfExp) else 0)
+    ]
+    for number, k in places[1:]:  # all but the docstring
+        tree = ast.parse(text)
+        body = [*ast.walk(tree)][number].body
+        body[k : k + 1] = [] if len(body) > 1 else [ast.Pass()]
+        assert checked(monitor, ast.unparse(tree))[1] != [], ast.unparse(tree)
+    assert len(places) > 30
+
+
 CONFIG = """\
 Model: {id: cart, type: ConSert, frequency: 10}
 SimulatorOutputs:
