@@ -95,3 +95,10 @@ def returned(
             case _:
                 raise UnprovedError(line)
     raise UnprovedError(function)
+
+
+def place(number: float) -> Polynomial:
+    """Make a polynomial of a constant in what selects an element: a whole number."""
+    if type(number) is not int:
+        raise UnprovedError(None, "a place is no whole number")
+    return Polynomial({(): Fraction(number)})

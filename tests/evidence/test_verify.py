@@ -11,6 +11,7 @@ import pytest
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.packages.verifying import checked
 from tests.evidence.mutants import mutants
+from tests.frozen.random_models import MAKERS
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = {
@@ -52,7 +53,7 @@ def test_every_mutant_is_seen(
         ("safeml", "14.112", "14.113", "axes is safeml.Axes((("),
         ("safeml", '"b08e', '"b08f', "reference is safeml.Table("),
         ("network", "v1_0 * 0.999", "v1_1 * 0.999", "number ("),
-        ("network", "(0.9, 0.1)", "(0.8, 0.2)", "the part is"),
+        ("network", "(0.9, 0.1)", "(0.8, 0.2)", "its priors are"),
         ("network", "s[0] * 3", "s[0] * 2", "it is another row of t0"),
         ("network", "((0.999, 0.001),)", "None", "known form"),
         ("network", "((0.999, 0.001),)", "((0.999, 0.002),)", "the model says 0.001"),
@@ -70,6 +71,46 @@ def test_differences_are_told(name: str, old: str, new: str, expected: str) -> N
     model, config, _ = PACKAGES[name]
     (monitor,), _ = monitors_of(ROOT / model, [ROOT / config] if config else [])
     text = monitor.compiled.text
+    assert old in text
+    _, findings = checked(monitor, text.replace(old, new, 1))
+    assert any(expected in finding.text for finding in findings), findings
+
+
+ARRAYS = 20  # random network of which a part is inferred by operations of numpy
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("i0 = s[2] * 1\n", "i0 = s[3] * 1\n", "a step gives other probabilities"),
+        ("s[3] * 1 + s[0] * 4", "s[3] * 1.0 + s[0] * 4", "a place is no whole number"),
+        ("dot(k11, v12, r10)", "dot(k11, v12, k11)", "it has no known form"),
+        ("multiply(e4, v5, r3)  # N0", "multiply(e2, v5, r3)  # N0", "it has no known form"),
+        ("(9, 4), (0, 2, 3, 5)", "(9, 2), (0, 2, 3, 5)", "it has no known form"),
+        (
+            '(9, "multiply", 8, 9, 7)',
+            '(27, "multiply", 8, 9, 7)',
+            "an operation is of another message",
+        ),
+        ('(2, "multiply", 1, 2, 0)', '(1, "multiply", 1, 2, 0)', "an operation is of no message"),
+        ("answers=(24, 40", "answers=(24, 47", "an answer is another message"),
+        ("(7,), (3, 7), (), True),  # 5", "(7,), (3, 7), (), False),  # 5", "are missing"),
+        (
+            "(0.7, 0.2, 0.1),  # s2\n        ),\n    ),\n}",
+            "(0.7, 0.1, 0.2),  # s2\n        ),\n    ),\n}",
+            "the table of node 7",
+        ),
+        ("parts=(part_0, part_1)", "parts=(part_1,)", "a part of the network is missing"),
+        ("when_observed=(part_2, ", "when_observed=(", "a part of the network is missing"),
+    ],
+)
+def test_differences_in_operations_of_numpy_are_told(
+    old: str, new: str, expected: str, tmp_path: Path
+) -> None:
+    (tmp_path / "net.bif").write_text(MAKERS["bayesian_network"](ARRAYS)["network.bif"], "utf-8")
+    (monitor,), _ = monitors_of(tmp_path / "net.bif", [])
+    text = monitor.compiled.text
+    assert checked(monitor, text)[1] == []
     assert old in text
     _, findings = checked(monitor, text.replace(old, new, 1))
     assert any(expected in finding.text for finding in findings), findings

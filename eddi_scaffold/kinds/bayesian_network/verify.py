@@ -5,8 +5,7 @@ from __future__ import annotations
 import ast
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from string import ascii_letters
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,8 +20,9 @@ from eddi_scaffold.evidence.emitted import (
     reading,
     unpacked,
 )
-from eddi_scaffold.evidence.sums import returned, variables
+from eddi_scaffold.evidence.sums import place, returned, variables
 from eddi_scaffold.kinds.bayesian_network.network import Network, node_attributes
+from eddi_scaffold.kinds.bayesian_network.verify_arrays import Group, Schedule, joint
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     Factor = tuple[Sequence[int], Array]  # its axes, which are nodes
 _ROOM = "bayesian_network"
 _CLOSE = 1e-12  # relative difference of two numbers that are equal
-_LARGEST, _MOST_AXES = 2**22, 32  # of a table on the way
-_ARRAYS = "it is inferred by operations of numpy"
 
 
 def verify(network: Network, options: NetworkOptions, emitted: Emitted) -> Iterator[str]:
@@ -112,122 +110,155 @@ class _Programs:
         self.cards = [len(node.states) for node in network.nodes]
         parents = ([number[name] for name in node.parents] for node in network.nodes)
         self.families = [(*of, k) for k, of in enumerate(parents)]
-        shapes = ([self.cards[axis] for axis in family] for family in self.families)
         tables = (np.array(node.table) for node in network.nodes)
+        shapes = ([self.cards[axis] for axis in family] for family in self.families)
         self.tables = [table.reshape(of) for table, of in zip(tables, shapes, strict=True)]
+        self.factors: dict[int, Factor] = dict(
+            enumerate(zip(self.families, self.tables, strict=True))
+        )
+        self.numbers: Collection[int] = ()  # nodes whose tables are in the text
 
     def take(
-        self, monitor: Class, name: str, outputs: Sequence[int], observable: Sequence[int]
+        self, monitor: Class, name: str, outputs: tuple[int, ...], observable: tuple[int, ...]
     ) -> None:
         """Take a program with its parts, each of which is one of the network."""
         node = monitor.attributes.pop(name, None)
         given = {} if node is None else data(node).keywords
-        if node is None or "parts" not in given or "when_observed" in given:
-            raise UnprovedError(node or monitor.node, _ARRAYS)
-        same = {"outputs": outputs, "observable": observable, "parts": given["parts"]}
-        same |= {"cases": given["cases"]} if "cases" in given else {}
+        if node is None or "parts" not in given:
+            raise UnprovedError(node or monitor.node, f"nothing is inferred for {name}")
+        optional = {key: of for key, of in given.items() if key in ("when_observed", "cases")}
+        same = {"outputs": outputs, "observable": observable, "parts": given["parts"], **optional}
         self.emitted.same(name, node, Call(f"{_ROOM}.Program", (), same))
-        parts = {}
-        for nodes in self._components([*outputs, *observable]):
-            places = tuple(k for k, of in enumerate(observable) if of in nodes)
-            shown = tuple(of for of in outputs if of in nodes)
-            parts[repr((places, shown))] = places, shown, nodes
-        rows: dict[int, Factor] = {}
-        for part in map(str, given["parts"]):
-            value = self.emitted.values.pop(part, node)
-            fields = data(value).keywords
-            key = repr((fields.get("inputs"), fields.get("outputs")))
-            if key not in parts:
-                raise UnprovedError(value, "it is no part of the network")
-            rows |= self._part(value, observable, *parts.pop(key))
-        for _, shown, nodes in parts.values():
-            axes = [of for of in nodes if of in observable]
-            if shown or not self._joint(nodes, axes).min() > 0.0:
-                self.emitted.differs(node, "a part of the network is missing")
-        if "cases" in given:
-            value = self.emitted.values.pop(str(given["cases"]), node)
-            self._cases(value, rows, outputs, observable)
-
-    def _components(self, asked: Sequence[int]) -> list[list[int]]:
-        """Return the nodes above those asked for, in groups that share no table."""
-        relevant, waiting = set[int](), [*asked]
+        relevant, waiting = set[int](), [*outputs, *observable]
         while waiting:
             if (of := waiting.pop()) not in relevant:
                 relevant.add(of)
                 waiting += self.families[of]
-        groups: list[set[int]] = []
-        for of in relevant:
-            family = {*self.families[of]}
-            joined = [group for group in groups if group & family]
-            groups = [group for group in groups if not group & family]
-            groups.append(family.union(*joined))
-        return [sorted(group) for group in groups]
+        rows: dict[int, Factor] = {}
+        whole = Group(sorted(relevant), observable, outputs)
+        taken = self._parts(node, given["parts"], self._groups(whole), observable, rows)
+        if "when_observed" in given:
+            names = [of for of in given["when_observed"] if str(of) not in taken]
+            kept = {str(of) for of in given["when_observed"]}
+            groups = []
+            for part, group in taken.items():
+                if part not in kept:
+                    fixed = tuple(of for of in group.inputs if of not in group.outputs)
+                    groups += self._groups(group, fixed)
+            self._parts(node, names, groups, observable, {})
+        if "cases" in given:
+            value = self.emitted.values.pop(str(given["cases"]), node)
+            self._cases(value, rows, outputs, observable)
 
-    def _joint(self, nodes: Sequence[int], kept: Sequence[int]) -> Array:
-        """Return the product of the tables of nodes, summed over all axes but those kept."""
-        factors: list[Factor] = [(self.families[of], self.tables[of]) for of in nodes]
-        factors += [((axis,), np.ones(self.cards[axis])) for axis in kept]
+    def _groups(self, of: Group, fixed: tuple[int, ...] = ()) -> list[Group]:
+        """Return a part in parts whose tables share only nodes that are observed in each step."""
+        found: list[tuple[set[int], set[int]]] = []  # nodes, and axes of their tables
+        for node in of.nodes:
+            own, axes = {node}, {*self.families[node]}.difference(fixed)
+            joined = [one for one in found if one[1] & axes]
+            found = [one for one in found if not one[1] & axes]
+            found.append((own.union(*(a for a, _ in joined)), axes.union(*(b for _, b in joined))))
+        groups = []
+        for nodes, _ in found:
+            around = {axis for node in nodes for axis in self.families[node]}
+            inputs = tuple(k for k in of.inputs if k in nodes and k not in fixed)
+            shown = tuple(k for k in of.outputs if k in nodes)
+            always = tuple(k for k in fixed if k in around)
+            groups.append(Group(sorted(nodes), inputs, shown, always))
+        return groups
 
-        def joined(axis: int) -> list[int]:
-            return sorted({of for axes, _ in factors if axis in axes for of in axes})
-
-        while open_ := {of for axes, _ in factors for of in axes}.difference(kept):
-            axis = min(open_, key=lambda of: math.prod(self.cards[k] for k in joined(of)))
-            axes = [of for of in joined(axis) if of != axis]
-            touched = [factor for factor in factors if axis in factor[0]]
-            factors = [factor for factor in factors if axis not in factor[0]]
-            factors.append((axes, self._product(touched, axes)))
-        return self._product(factors, kept)
-
-    def _product(self, factors: Sequence[Factor], kept: Sequence[int]) -> Array:
-        axes: Sequence[int] = ()
-        result: Array = np.ones(())
-        for k, (others, factor) in enumerate(factors, 1):
-            every = sorted({*axes, *others})
-            if len(every) > _MOST_AXES or math.prod(self.cards[of] for of in every) > _LARGEST:
-                raise UnprovedError(None, "the network is too wide")
-            left = kept if k == len(factors) else every
-            a, b, c = (
-                "".join(ascii_letters[every.index(of)] for of in g) for g in (axes, others, left)
-            )
-            result, axes = np.einsum(f"{a},{b}->{c}", result, factor), left
-        return result
-
-    def _part(
+    def _parts(
         self,
-        value: ast.expr,
+        at: ast.expr,
+        names: Sequence[Call],
+        groups: Sequence[Group],
         observable: Sequence[int],
-        places: Sequence[int],
-        outputs: Sequence[int],
-        nodes: Sequence[int],
+        rows: dict[int, Factor],
+    ) -> dict[str, Group]:
+        """Take parts, each of one group; groups without one must never be impossible."""
+        left, taken = [*groups], dict[str, Group]()
+        for name in map(str, names):
+            value = self.emitted.values.pop(name, at)
+            (made,), fields = data(value).args, data(value).keywords
+            for group in left:
+                places = tuple(map(observable.index, group.inputs))
+                axes = {*group.inputs, *group.always}
+                if made.name == "tables.Tables":
+                    pairs = made.args[0][0].args[0]
+                    is_of = {observable[k] for k, _ in pairs} == axes - {*group.outputs[:1]}
+                else:
+                    is_of = not group.always
+                if is_of and fields.get("inputs") == places and fields["outputs"] == group.outputs:
+                    break
+            else:
+                raise UnprovedError(value, "it is no part of the network")
+            left.remove(group)
+            taken[name] = group
+            exponents = [
+                np.log2(of[of > 0.0].min()) for of in map(self.tables.__getitem__, group.nodes)
+            ]
+            least = math.floor(math.fsum(exponents) + _CLOSE)
+            fields = {"inputs": places, "outputs": group.outputs, "least": least}
+            self.emitted.same("the part", value, Call(f"{_ROOM}.Part", (made,), fields))
+            if made.name == "tables.Tables":
+                rows |= self._tables(value, made, observable, group)
+                continue
+            if not self.numbers:
+                self._nodes()
+            if not {axis for of in group.nodes for axis in self.families[of]} <= {*self.numbers}:
+                raise UnprovedError(value, "a table is missing")
+            Schedule(self.emitted, self.factors, group, observable).take(value, made)
+        for group in left:
+            factors = [self.factors[of] for of in group.nodes]
+            is_sure = all(table.min() > 0.0 for _, table in factors)
+            if group.outputs or not (
+                is_sure or joint(factors, [*group.inputs, *group.always]).min() > 0.0
+            ):
+                self.emitted.differs(at, "a part of the network is missing")
+        return taken
+
+    def _nodes(self) -> None:
+        """Take the tables of the nodes that operations of numpy use."""
+        node = self.emitted.values.pop("nodes", ast.Constant(None))
+        self.numbers = data(node)
+        for k, (parents, given) in data(node).items():
+            rows = given
+            if isinstance(given, Call) and given.name == "schedule.rows_of":
+                lines = str(*given.args or ()).splitlines()
+                rows = tuple(tuple(map(float, line.split())) for line in lines)
+            card = self.cards[k]
+            numbers = self.tables[k].reshape(-1, card).tolist()
+            if repr((parents, rows)) != repr((self.families[k][:-1], tuple(map(tuple, numbers)))):
+                self.emitted.differs(node, f"the table of node {k} is another one")
+
+    def _tables(
+        self, value: ast.expr, made: Call, observable: Sequence[int], group: Group
     ) -> dict[int, Factor]:
-        """Take a part with its tables; return output (or -1) -> inputs, and a row for each case."""
-        match data(value).args:
-            case (Call("tables.Tables", (tuple() as tables, _, Call(look_up))),):
-                pass
-            case _:
-                raise UnprovedError(value, _ARRAYS)
-        inputs, position = [observable[k] for k in places], observable.index
+        """Take the tables of a part; return output (or -1) -> inputs, and a row for each case."""
+        tables, given, look_up = made.args or ()
+        inputs, position = sorted(group.inputs + group.always), observable.index
         # the prior of such a node goes with its evidence
-        roots = [of for of in inputs if of not in outputs and len(self.families[of]) == 1]
+        roots = [of for of in group.inputs if len(self.families[of]) == 1]
+        roots = [of for of in roots if of not in group.outputs]
         priors = {position(of): tuple(self.tables[of].tolist()) for of in roots}
-        exponents = [math.log2(self.tables[of][self.tables[of] > 0.0].min()) for of in nodes]
-        least = math.floor(math.fsum(exponents) + _CLOSE)
-        fields = {"inputs": places, "outputs": outputs, "least": least}
-        made = Call("tables.Tables", (tables, priors, Call(look_up)))
-        self.emitted.same("the part", value, Call(f"{_ROOM}.Part", (made,), fields))
+        if repr(given) != repr(priors):
+            self.emitted.differs(value, f"its priors are {given}, the model says {priors}")
         found: dict[int, Factor] = {}
         strides = []
-        for table, output in itertools.zip_longest(tables, outputs or [-1]):
-            axes = [of for of in inputs if of != output]
-            rest = [of for of in nodes if of not in roots]
-            weights = self._joint(rest, [*axes, output] if outputs else axes)
+        for table, output in itertools.zip_longest(tables, group.outputs or [-1]):
+            axes = [observable[at] for at, _ in table.args[0]]
+            if sorted(axes) != [of for of in inputs if of != output]:
+                raise UnprovedError(value, "a table has other inputs")
+            rest = [self.factors[of] for of in group.nodes if of not in roots]
+            rest += [((of,), np.ones(self.cards[of])) for of in axes]
+            weights = joint(rest, [*axes, output] if group.outputs else axes)
             weights = weights.reshape([*(self.cards[of] for of in axes), -1])
             rows = weights
             for k, axis in enumerate(axes):
                 prior = self.tables[axis] if axis in roots else np.ones(self.cards[axis])
                 weights = np.moveaxis(np.moveaxis(weights, k, -1) * (prior > 0.0), -1, k)
-                every = np.vstack([np.diag((prior > 0.0).astype(float)), prior])
+                every = np.diag((prior > 0.0).astype(float))
+                every = every if axis in group.always else np.vstack([every, prior])
                 rows = np.moveaxis(np.tensordot(every, rows, (1, k)), 0, k)
             steps = (math.prod(rows.shape[k + 1 : -1]) for k in range(len(axes)))
             strides.append(tuple(zip(map(position, axes), steps, strict=True)))
@@ -235,17 +266,18 @@ class _Programs:
                 case Call("tables.Table", (of,), named) if repr(of) == repr(strides[-1]) and named:
                     pass
                 case _:
-                    raise UnprovedError(value, "a table has other inputs")
+                    raise UnprovedError(value, "a table has other rows")
             for key, of in named.items():
                 if key == "rows":
                     node = self.emitted.values.pop(str(of), value)
                     self._same(node, data(node), rows.reshape(-1, rows.shape[-1]))
-                elif key == "total":
+                elif key == "total" and not group.always:
                     self._total(self.emitted.functions.pop(str(of), value), weights)
                 else:
                     raise UnprovedError(value)
             found[output] = axes, rows
-        self._look_up(self.emitted.functions.pop(look_up, value), strides, len(observable))
+        function = self.emitted.functions.pop(str(look_up), value)
+        self._look_up(function, strides, len(observable))
         return found
 
     def _same(self, node: ast.AST, got: Any, expected: Array) -> None:
@@ -255,8 +287,8 @@ class _Programs:
             raise UnprovedError(node) from None
         if numbers.shape != expected.shape:
             raise UnprovedError(node, f"it has {numbers.shape} numbers, not {expected.shape}")
-        for place in np.argwhere(~(abs(numbers - expected) <= _CLOSE * expected)).tolist()[:1]:
-            at = tuple(place)
+        for wrong in np.argwhere(~(abs(numbers - expected) <= _CLOSE * expected)).tolist()[:1]:
+            at = tuple(wrong)
             text = f"number {at} is {numbers[at]}, the model says {expected[at]:.15g}"
             self.emitted.differs(node, text)
 
@@ -295,8 +327,8 @@ class _Programs:
             if not isinstance(row, ast.Subscript) or ast.unparse(row.value) != table:
                 raise UnprovedError(row)
             states = {"s": variables(range(count))}
-            case = returned(inner, "s", states, lines=[*above, ast.Return(row.slice)])
-            expected = {(place,): step for place, step in pairs}
+            case = returned(inner, "s", states, place, [*above, ast.Return(row.slice)])
+            expected = {(at,): step for at, step in pairs}
             if {of: factor for of, factor in case.items() if factor} != expected:
                 self.emitted.differs(row, f"it is another row of {table}")
 
