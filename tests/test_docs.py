@@ -197,4 +197,4 @@ def test_pages_are_short() -> None:
     pages = [page for page in PAGES[1:] if page.name != "python.md"]  # written from docstrings
     looked_up = [page for page in pages if page.parent.name == "reference"]
     assert [page.name for page in looked_up if words(page) > 1_200] == []
-    assert sum(map(words, pages)) <= 35_000
+    assert sum(map(words, pages)) <= 36_000
