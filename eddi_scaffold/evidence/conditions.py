@@ -10,6 +10,7 @@ import ast
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.evidence.emitted import (
@@ -24,6 +25,7 @@ from eddi_scaffold.evidence.emitted import (
 from eddi_scaffold.evidence.reductions import VALUES, number, reduced
 
 if TYPE_CHECKING:
+    from eddi_scaffold.program.input_expressions import BoundInput
     from eddi_scaffold.program.instructions import Operation, Program, Read
 
 _FORMS = {
@@ -336,6 +338,18 @@ def of_inputs(
     step.follow(arguments)
 
 
+def needs_of(program: Program, inputs: Sequence[BoundInput]) -> list[tuple[int, ...]]:
+    """Return for each result the places of the inputs that it rests on, in order of the reads."""
+    ids = [input_.id for input_ in inputs]
+    order = [*dict.fromkeys(name for read in program.reads for name in parts_of(read))]
+    rests: list[set[int]] = []  # of each operation, the places of its inputs in this order
+    for of in program.operations:
+        names = parts_of(program.reads[of.value]) if of.op in ("variable", "age") else ()
+        rests.append({*map(order.index, names)}.union(*(rests[k] for k in of.args)))
+    used = (sorted(rests[result.operation]) for result in program.results)
+    return [tuple(ids.index(order[k]) for k in places) for places in used]
+
+
 def expressions(emitted: Emitted) -> Iterator[str]:
     """Compare the classes of inputs that an expression gives; yield what is proved."""
     for input_ in emitted.declared.inputs:
@@ -350,7 +364,7 @@ def expressions(emitted: Emitted) -> Iterator[str]:
 
 def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> None:
     parts, checks = document["parts"], document.get("checks", {})
-    program, paths = _joined([part["program"] for part in parts]), document.get("paths", {})
+    program, paths = joined([part["program"] for part in parts]), document.get("paths", {})
 
     def word(name: str) -> str:
         return name.partition(".")[0].partition("[")[0]
@@ -388,7 +402,7 @@ def _tuple(value: Any) -> Any:
     return tuple(map(_tuple, value)) if isinstance(value, list | tuple) else value
 
 
-def _joined(programs: Sequence[Program]) -> Program:
+def joined(programs: Sequence[Program]) -> Program:
     """Return conditions in turn as one program; what is read equally is read once."""
     reads: dict[Read, int] = {}
     operations: list[Operation] = []
@@ -402,6 +416,7 @@ def _joined(programs: Sequence[Program]) -> Program:
             operations.append(of._replace(args=args, value=value))
         result = program.results[0]
         results.append(result._replace(operation=base + result.operation))
-    return programs[0]._replace(
-        reads=tuple(reads), operations=tuple(operations), results=tuple(results)
-    )
+    parts: dict[str, Any] = {"reads": tuple(reads), "operations": tuple(operations)}
+    parts["results"] = tuple(results)
+    empty: Any = SimpleNamespace(**parts)
+    return programs[0]._replace(**parts) if programs else empty

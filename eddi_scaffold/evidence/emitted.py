@@ -8,16 +8,18 @@ from __future__ import annotations
 
 import ast
 import builtins
+import keyword
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import cache
-from itertools import islice
+from itertools import islice, zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.monitor_text import Declaration
 
+_LONGEST = 40  # name that stands in a text as it is
 Key = TypeVar("Key")
 Holes = dict[str, Any]  # what the letters of a form stand for: expressions, names of attributes
 EXPRESSIONS = ("expression", "hold", "lists", "stacks", "window", "windows")
@@ -72,7 +74,7 @@ def data(node: ast.expr) -> Any:
             return {data(key): data(value) for key, value in pairs if key is not None}
         case ast.Name(id="INF" | "NAN"):
             return float(node.id)
-        case ast.Name() | ast.Attribute():
+        case ast.Name() | ast.Attribute() | ast.Subscript(value=ast.Attribute()):
             return Call(ast.unparse(node))
         case ast.Call():
             named = {keyword.arg or "**": data(keyword.value) for keyword in node.keywords}
@@ -151,7 +153,7 @@ class Class:
     """A class: what no form has taken yet."""
 
     def __init__(self, node: ast.ClassDef) -> None:
-        self.node, self.base = node, ast.unparse(ast.Tuple(node.bases))
+        self.node, self.base = node, ", ".join(map(ast.unparse, node.bases))
         self.attributes: dict[str, ast.expr] = {}
         self.methods: dict[str, ast.FunctionDef] = {}
         for of in node.body:
@@ -169,6 +171,15 @@ class Class:
         if function is None or ast.unparse(function.args) != arguments:
             raise UnprovedError(function or self.node, f"there is no {name}({arguments})")
         return Lines(function)
+
+    def body(self, name: str, arguments: str, expected: str) -> None:
+        """Take a method that has these arguments and these lines."""
+        function = self.methods.pop(name, None)
+        if function is None or ast.unparse(function.args) != arguments:
+            raise UnprovedError(function or self.node, f"there is no method {name}")
+        for got, wanted in zip_longest(function.body, ast.parse(expected).body):
+            if got is None or wanted is None or ast.unparse(got) != ast.unparse(wanted):
+                raise UnprovedError(got or function, "it is not as the model says")
 
 
 class Emitted:
@@ -289,12 +300,12 @@ class Emitted:
     def monitor(self, base: str) -> Class:
         """Take the class ``Monitor``: its base, whose monitor it is, and its inputs."""
         monitor = self.classes.pop("Monitor", None)
-        if monitor is None or monitor.base != f"({base},)":
+        if monitor is None or monitor.base != base:
             at = None if monitor is None else monitor.node
             raise UnprovedError(at, f"there is no Monitor of {base}")
         self.attribute(monitor, "model_id", self.declared.model_id)
         self.attribute(monitor, "digest", self.declared.digest)
-        names = (name for name, of in self.classes.items() if of.base == "(expression.Expression,)")
+        names = (name for name, of in self.classes.items() if of.base == "expression.Expression")
         computed = (input_.id for input_ in self.declared.inputs if input_.expression is not None)
         self.expressions = dict(zip(computed, names, strict=False))
         self.attribute(monitor, "inputs", tuple(self._specs()))
@@ -324,6 +335,13 @@ class Emitted:
         left = [*classes, *self.functions.values(), *self.values.values()]
         for node in left if of is None else [*of.attributes.values(), *of.methods.values()]:
             raise UnprovedError(node)
+
+
+def reading(attribute: str) -> str:
+    """Return the text that reads an attribute of the input."""
+    is_name = attribute.isascii() and attribute.isidentifier() and len(attribute) <= _LONGEST
+    is_name = is_name and not keyword.iskeyword(attribute)
+    return f"source.{attribute}" if is_name else f"getattr(source, {attribute!r})"
 
 
 def unpacked(lines: Lines, value: str, number: int) -> list[str]:

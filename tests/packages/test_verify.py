@@ -108,6 +108,9 @@ def test_vectors_are_those_of_the_model(folder: Path) -> None:
         "two-conserts/expected/src/eddi_monitor/conserta",
         "two-conserts/expected/src/eddi_monitor/consertb",
         "motor-watch/expected/motor_watch",
+        "drone/expected/missionloss",
+        "safeml/expected/camera_scope",
+        "shuttle/expected/shuttle",
     ],
 )
 def test_packages_of_examples_are_proved(package: str) -> None:
@@ -116,21 +119,23 @@ def test_packages_of_examples_are_proved(package: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["consert", "event"])
+@pytest.mark.parametrize("kind", corpus.MAKERS)
 def test_every_random_model_is_proved(kind: str, tmp_path: Path) -> None:
-    count = 1000 if settings.default.max_examples > 1000 else 200
+    usual = 200 if kind in ("consert", "event") else 40
+    count = 1000 if settings.default.max_examples > 1000 else usual
     proved = 0
     for case, files in corpus.random_cases(kind, count):
         folder = write_files(tmp_path / case, files)
+        models = [folder / model for model in corpus.models(folder)]
         for config in [None, *corpus.configurations(folder)]:
-            for model in corpus.models(folder):
+            for model in models or [None]:  # of the file that the configuration names
                 try:
-                    monitors, _ = monitors_of(folder / model, [folder / config] if config else [])
-                except EddiError:  # a configuration of another model
+                    monitors, _ = monitors_of(model, [folder / config] if config else [])
+                except EddiError:  # a configuration of another model, or a model that is refused
                     continue
                 for monitor in monitors:
                     if monitor.model.kind == kind:
                         _, findings = checked(monitor, monitor.compiled.text)
-                        assert findings == [], (case, monitor.compiled.text)
+                        assert findings == [], (case, findings, monitor.compiled.text)
                         proved += 1
-    assert proved >= count
+    assert proved >= 0.8 * count

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import PurePath
@@ -17,12 +17,14 @@ from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntr
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.parsing import load
+from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, read_xml_formats
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, read_options
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
+from eddi_scaffold.kinds.bayesian_network.verify import verify
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -225,6 +227,9 @@ class NetworkModel(kinds.Model):
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)
+
+    def verify(self, emitted: Emitted) -> Iterator[str]:
+        return verify(self.data, self.settings, emitted)
 
     def cross_check(self, running: Callable[[], Any]) -> kinds.CrossCheck:
         return cross_check.cross_check(self.data, self.settings, running)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.evidence.conditions import of_inputs, parts_of
+from eddi_scaffold.evidence.conditions import needs_of, of_inputs
 from eddi_scaffold.evidence.emitted import Call, Emitted
 
 if TYPE_CHECKING:
@@ -27,23 +27,14 @@ def verify(
         emitted: the text.
     """
     monitor = emitted.monitor("event.EventMonitor")
-    ids = [input_.id for input_ in emitted.declared.inputs]
-    order = [*dict.fromkeys(name for read in program.reads for name in parts_of(read))]
-    rests: list[set[int]] = []  # of each operation, the places of its inputs in this order
-    for of in program.operations:
-        names = parts_of(program.reads[of.value]) if of.op in ("variable", "age") else ()
-        rests.append({*map(order.index, names)}.union(*(rests[k] for k in of.args)))
+    needs = needs_of(program, emitted.declared.inputs)
     events = [
         Call(
             "event.Event",
-            (
-                result.id,
-                result.hazard,
-                tuple(ids.index(order[k]) for k in sorted(rests[result.operation])),
-            ),
+            (result.id, result.hazard, places),
             {"accepts": accepts} if accepts else {},
         )
-        for result, accepts in zip(program.results, accepted, strict=True)
+        for result, places, accepts in zip(program.results, needs, accepted, strict=True)
     ]
     emitted.attribute(monitor, "events", tuple(events))
     of_inputs(emitted, monitor, program, units)

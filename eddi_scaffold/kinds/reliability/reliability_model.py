@@ -15,6 +15,7 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors,
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document, recognises
 from eddi_scaffold.eddi_xml.parsing import load
+from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds.reliability import KEYS, show
 from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.compile import compile_system
@@ -24,6 +25,7 @@ from eddi_scaffold.kinds.reliability.read_yaml import read_system
 from eddi_scaffold.kinds.reliability.system import NAME, Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
+from eddi_scaffold.kinds.reliability.verify import verify
 from eddi_scaffold.kinds.reliability.write import to_open_psa, to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -162,6 +164,9 @@ class ReliabilityModel(kinds.Model):
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_system(self.data, declaration)
+
+    def verify(self, emitted: Emitted) -> Iterator[str]:
+        return verify(self.data, emitted)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the thresholds: every input counts in the probability of failure."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
@@ -12,6 +12,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
@@ -20,7 +21,9 @@ from eddi_scaffold.kinds.safeml.reference import read_named
 from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, NAME, Plan, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import as_eddi_map, read_settings, settings_of_eddi
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
+from eddi_scaffold.kinds.safeml.thresholds import critical_values
 from eddi_scaffold.kinds.safeml.vectors import safeml_vectors
+from eddi_scaffold.kinds.safeml.verify import verify
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
@@ -186,6 +189,12 @@ class SafeMLModel(Model):
 
     def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
         return safeml_vectors(self.configured, inputs, about)
+
+    def verify(self, emitted: Emitted) -> Iterator[str]:
+        plan, metric, critical = self.configured.plan, self.data.settings.metric, None
+        if metric != "ks":
+            critical = critical_values(metric, plan.n, plan.settings.window_size)
+        return verify(self.data.reference, self.configured, critical, emitted)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         return [Claim("in_scope", frozenset(input_.id for input_ in inputs))]

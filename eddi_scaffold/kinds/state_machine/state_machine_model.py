@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar
@@ -14,6 +14,7 @@ from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
+from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds.state_machine import SUFFIX, show
 from eddi_scaffold.kinds.state_machine.checks import check_machine, check_settings
 from eddi_scaffold.kinds.state_machine.compile import actions_module, compile_machine
@@ -21,6 +22,7 @@ from eddi_scaffold.kinds.state_machine.machine import NAME, StateMachine
 from eddi_scaffold.kinds.state_machine.options import Settings, Value, read_settings
 from eddi_scaffold.kinds.state_machine.read_eddi import read_machines
 from eddi_scaffold.kinds.state_machine.vectors import state_machine_vectors
+from eddi_scaffold.kinds.state_machine.verify import verify
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
@@ -121,6 +123,9 @@ class StateMachineModel(kinds.Model):
 
     def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
         return state_machine_vectors(self.data, self.settings, inputs, about)
+
+    def verify(self, emitted: Emitted) -> Iterator[str]:
+        return verify(self.data, self.settings, emitted)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the evidence: any input may make another state possible."""

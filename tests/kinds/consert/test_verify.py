@@ -12,7 +12,8 @@ import pytest
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.packages.verifying import checked
-from tests.kinds.consert.test_vectors import mutants, observed
+from tests.evidence.mutants import mutants
+from tests.kinds.consert.test_vectors import observed
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "two-conserts"
 CRANE = """\

@@ -9,7 +9,7 @@ import pytest
 
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.packages.verifying import checked
-from tests.kinds.consert.test_vectors import mutants
+from tests.evidence.mutants import mutants
 
 EVENTS = """\
 ENUM Mode { AUTO, MANUAL }

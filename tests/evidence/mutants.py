@@ -1,0 +1,145 @@
+"""Single mutants of a compiled monitor, and which of them its vectors do not kill."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import itertools
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+from eddi_runtime.inputs import EDDIInputBase
+from eddi_runtime.testing import failures
+
+from eddi_scaffold.monitors.answers import VECTORS, files_of
+from eddi_scaffold.monitors.binding import BoundMonitor
+
+
+def mutants(text: str, is_tried: Callable[[int], bool] = lambda _: True) -> Iterator[str]:
+    """Yield each text in which a single node is another one, or those of some numbers."""
+    nodes, total = [*ast.walk(ast.parse(text))], itertools.count()
+    for number, node in enumerate(nodes):
+        for k in itertools.count():
+            probe = copy.copy(node)
+            for name, value in ast.iter_fields(node):
+                setattr(probe, name, [*value] if isinstance(value, list) else value)
+            if not changed(probe, k):
+                break
+            if is_tried(next(total)):
+                tree = ast.parse(text)
+                changed(next(itertools.islice(ast.walk(tree), number, None)), k)
+                if (other := ast.unparse(tree)) != text:  # not two equal entries exchanged
+                    yield other
+
+
+def changed(node: Any, k: int) -> bool:
+    """Change a node in the k-th way; ``False`` where there is none."""
+    if isinstance(node, ast.Constant):
+        value = node.value
+        ways: list[Any] = []
+        if isinstance(value, bool) or value is None:
+            ways = [not value]
+        elif isinstance(value, int | float):
+            ways = [value + 1, value - 1, value * 1.001]
+        elif isinstance(value, str):
+            ways = [f"{value}x"]
+        if k < len(ways):
+            node.value = ways[k]
+        return k < len(ways)
+    if isinstance(node, ast.Compare):
+        kinds = (ast.Lt, ast.LtE, ast.Gt, ast.Eq, ast.NotEq, ast.Is, ast.IsNot)
+        others = [of for of in kinds if not isinstance(node.ops[0], of)]
+        if k < len(others):
+            node.ops[0] = others[k]()
+        return k < len(others)
+    if isinstance(node, ast.IfExp) and k < 2:
+        node.test = ast.Constant(bool(k))
+        return True
+    if isinstance(node, ast.Tuple) and isinstance(node.ctx, ast.Load) and len(node.elts) > 1:
+        if k < len(node.elts):
+            del node.elts[k]
+        elif k < 2 * len(node.elts) - 1:
+            at = k - len(node.elts)
+            node.elts[at : at + 2] = node.elts[at : at + 2][::-1]
+        else:
+            return False
+        return True
+    if isinstance(node, ast.Call) and k < len(node.keywords):
+        del node.keywords[k]
+        return True
+    return False
+
+
+def input_class(of: Any) -> type[Any]:
+    """Return an ``EDDIInput`` as a package has it."""
+
+    class Input(EDDIInputBase):
+        def __init__(self) -> None:
+            for spec in of.inputs:
+                setattr(self, spec.attribute, spec.default)
+            super().__init__(of.inputs)
+
+        def processing(self, messages: Any) -> None:
+            self.begin_processing()
+            for spec in of.inputs:
+                method = getattr(self, f"process_{spec.attribute}")
+                self.update(spec.id, method, messages, spec.requires)
+
+    return Input
+
+
+class Mutated:
+    """The compiled text of a monitor, of which each change is run against its vectors."""
+
+    def __init__(self, monitor: BoundMonitor, folder: Path) -> None:
+        files = files_of(monitor)
+        self.vectors = folder / "vectors.json"
+        self.vectors.write_bytes(files[VECTORS])
+        self.head, _, body = (
+            files["compiled.py"].decode().partition("\n# sha256 of the lines below")
+        )
+        self.body = ast.unparse(ast.parse(body.partition("\n")[2]))
+        is_killed, self.original = self.killed(self.body)
+        assert not is_killed
+
+    def killed(self, text: str) -> tuple[bool, Any]:
+        """Return whether the vectors see a change, and the class ``Monitor`` of the text."""
+        scope: dict[str, Any] = {"__name__": "compiled", "__file__": "no file"}
+        try:
+            exec(f"{self.head}\n{text}", scope)
+            found = failures(str(self.vectors), scope["Monitor"], input_class(scope["Monitor"]))
+        except Exception:  # noqa: BLE001 - a mutant that cannot run is seen
+            return True, None
+        return bool(found), scope["Monitor"]
+
+    def drawn(self, request: pytest.FixtureRequest, share: float) -> Callable[[int], bool]:
+        """Return which mutants are tried: all in the long profile, else a share."""
+        is_long = request.config.getoption("--hypothesis-profile") == "long"
+        draw = Random(1)
+        return lambda _: is_long or draw.random() < share
+
+    def survivors(
+        self, is_tried: Callable[[int], bool] = lambda _: True
+    ) -> Iterator[tuple[str, Any]]:
+        """Yield what changed in each mutant that is not killed, and its class ``Monitor``.
+
+        What only names the model and the digest of its text does not count.
+        """
+        for text in mutants(self.body, is_tried):
+            is_killed, mutant = self.killed(text)
+            own = self.original
+            is_about = mutant and (mutant.model_id, mutant.digest) != (own.model_id, own.digest)
+            if not is_killed and not is_about:
+                yield difference(self.body, text), mutant
+
+
+def difference(text: str, other: str) -> str:
+    """Return where a text differs, with a few characters around it: ``before -> after``."""
+    start = next(k for k in itertools.count() if text[k : k + 1] != other[k : k + 1])
+    end = next(k for k in itertools.count() if text[-1 - k :][:1] != other[-1 - k :][:1])
+    end = min(end, min(len(text), len(other)) - start)
+    before, after = (of[max(start - 40, 0) : len(of) - end + 20] for of in (text, other))
+    return f"{before!r} -> {after!r}"
