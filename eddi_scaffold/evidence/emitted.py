@@ -279,7 +279,7 @@ class Emitted:
 
     def same(self, what: str, node: ast.expr | None, expected: object) -> None:
         """Compare data of the text with those of the model, element by element; types count."""
-        got = None if node is None else data(node)
+        got = Call("missing") if node is None else data(node)
         if repr(got) == repr(expected):
             return
         rows = node.elts if isinstance(node, ast.Tuple) else []

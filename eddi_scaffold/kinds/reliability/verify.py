@@ -502,7 +502,8 @@ class _System:
         top, grows = values[tree.top], of.attributes.pop("grows", None)
         if grows is None and not diagrams.is_monotone(top):
             self.emitted.differs(of.node, "more failures can be better, and grows is True")
-        self.emitted.same("grows", grows, None if grows is None else False)
+        if grows is not None:
+            self.emitted.same("grows", grows, expected=False)
         never, always = (_Chance(diagrams, k) for k in (0, 1))
         chances = [_Chance(diagrams, diagrams.events[k], frozenset({k})) for k in events]
         given: list[tuple[str, ast.AST, Any, int]] = []

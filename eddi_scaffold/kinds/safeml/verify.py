@@ -45,12 +45,12 @@ def verify(
         "significance_level": settings.significance_level,
         "tail": tail,
         "hold": settings.on_omission == "hold",
-        "max_age": options.max_age,
         "single": plan.single,
         "array_backend": None if backend == "numpy" else backend,
     }
     for name, value in expected.items():
         emitted.attribute(monitor, name, value)
+    emitted.same("max_age", monitor.attributes.pop("max_age", None), options.max_age)
     for name, found in (("threshold", plan.threshold), ("threshold_theoretical", plan.theoretical)):
         node = monitor.attributes.get(name)
         written = node.value if isinstance(node, ast.Constant) else None
