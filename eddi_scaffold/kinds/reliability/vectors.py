@@ -11,6 +11,7 @@ import math
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from decimal import Decimal, localcontext
 from functools import lru_cache, partial
 from itertools import combinations
@@ -25,6 +26,7 @@ from eddi_scaffold.evidence.vectors import (
     age_rows,
     changed,
     fitting_file,
+    text,
 )
 from eddi_scaffold.kinds.reliability.system import (
     DYNAMIC,
@@ -45,6 +47,7 @@ Numbers = Sequence[Decimal]
 Values = Mapping[str, Any]
 Changes = Sequence[tuple[int, Values]]  # steps: time in nanoseconds, what is given
 _MOST_STATES, _MOST_JUMPS, _MOST_CASES, _PATTERNS = 90, 400, 4096, 81
+_MOST_WORK = 40_000  # gates and chains, for all steps
 _BATTERY = ("failure_rate", "alpha", "beta", "degradation")
 _GRID = 256  # horizons, where the mission's end is an input
 _LATE = 36_000 * 10**9
@@ -96,7 +99,6 @@ def _sure(p: Decimal, life: Decimal) -> Estimate:
 
 def _moved(vector: Numbers, arcs: Arcs, hours: Decimal, *, ahead: bool) -> list[Decimal]:
     """Return a belief some hours later, or, ahead, what is expected then of each state."""
-    pairs = [(b, a, r) for a, b, r in arcs] if ahead else arcs
     exits = [D(0) for _ in vector]
     for source, _, rate in arcs:
         exits[source] += rate
@@ -104,18 +106,19 @@ def _moved(vector: Numbers, arcs: Arcs, hours: Decimal, *, ahead: bool) -> list[
     jumps = fastest * hours
     if jumps > _MOST_JUMPS:
         raise TooMuchError
-    if not jumps:
-        return [*vector]
+    shares = [(*((b, a) if ahead else (a, b)), rate / fastest) for a, b, rate in arcs]
+    shares += [(k, k, 1 - out / fastest) for k, out in enumerate(exits)]
     weight, now = (-jumps).exp(), [*vector]
     total, count = [weight * p for p in now], 0
-    while count < jumps + len(vector) + 10 or weight > D("1e-45"):
+    while jumps and (count < jumps + len(vector) + 10 or weight > D("1e-45")):
         count += 1
         weight *= jumps / count
-        after = [p * (1 - out / fastest) for p, out in zip(now, exits, strict=True)]
-        for source, target, rate in pairs:
-            after[target] += now[source] * rate / fastest
+        after = [D(0) for _ in vector]
+        for source, target, share in shares:
+            after[target] += now[source] * share
         now = after
-        total = [p + weight * q for p, q in zip(total, now, strict=True)]
+        for k, p in enumerate(now):
+            total[k] += weight * p
     return total
 
 
@@ -179,6 +182,8 @@ class _Chain:
             worst = max(states or self.fail, key=lambda k: (self.ahead(longest)[k], -k))
             self.beliefs += left or [self.sure_of(worst)]
             wrong = wrong and not left
+        if all(belief == self.beliefs[0] for belief in self.beliefs):
+            del self.beliefs[1:]
         return wrong
 
 
@@ -439,7 +444,8 @@ class _Tree:
         for key in self.events:
             uses[self.same.get(key, key)] += counts[key]
         self.shared = [key for key, count in uses.items() if count > 1]
-        if of.approximate or len(self.gates) << len(self.shared) > _MOST_CASES:
+        self.weight = len(self.gates) << len(self.shared)  # gates of all cases
+        if of.approximate or self.weight > _MOST_CASES:
             raise TooMuchError
 
     def failure(self, chances: Mapping[str, Decimal]) -> Decimal:
@@ -473,19 +479,19 @@ class _Tree:
 
 def _gate(kind: str, k: int | None, below: Sequence[Decimal]) -> Decimal:
     """Return how probable the output of a gate is, whose inputs are independent."""
+    if kind in ("OR", "AND") and below:
+        return _product(below) if kind == "AND" else 1 - _product(1 - p for p in below)
     happened = [D(1)]  # so many of those so far
     for p in below:
         pairs = zip([*happened, D(0)], [D(0), *happened], strict=True)
         happened = [(1 - p) * same + p * fewer for same, fewer in pairs]
-    count = len(below)
     if not below:
         return D(0)
     if kind == "XOR":
         return sum(happened[1::2], D(0))
     if kind == "NOT":
         return happened[0]
-    least = {"OR": 1, "AND": count}.get(kind, k or 0)
-    return sum(happened[least:], D(0))
+    return _sum(happened[k or 0 :])
 
 
 class _Input(NamedTuple):
@@ -516,6 +522,10 @@ class _Input(NamedTuple):
     def given(self, value: Any) -> Any:
         """Return a value in the unit of the message; where it is converted, not at an edge."""
         return value if self.factor is None else value * 0.999 * self.factor[1] / self.factor[0]
+
+
+def _merged(values: Iterable[Values]) -> Values:
+    return {key: value for each in values for key, value in each.items()}
 
 
 def _above(number: float) -> float:
@@ -571,6 +581,9 @@ class _Vectors:
         self.system, self.inputs = system, _inputs(system, bound)
         self.quantum_ns, self.gap_ns = round(system.quantum * 1e9), round(system.usual_gap * 1e9)
         self.base = {id_: of.given(of.usual) for id_, of in self.inputs.items()}
+        trees = (of.content for of in system.used_models() if isinstance(of.content, FaultTree))
+        self.weight = 20 * len(system.components) + sum(_Tree(of).weight for of in trees)
+        self.work = 0
 
     def run(self, name: str, changes: Changes) -> Run:
         """Return the steps with what comes out, up to one that depends on rounding."""
@@ -580,6 +593,7 @@ class _Vectors:
         start = last = base = quanta = 0
         end, hours = system.horizon * 3600.0, self.quantum_ns / D(3_600_000_000_000)
         for now, new in changes:
+            self.work += self.weight
             inputs = {**values, **new}
             taken = {id_: of.taken(inputs.get(id_)) for id_, of in self.inputs.items()}
             start, last = (start, last) if steps else (now, now)
@@ -621,18 +635,20 @@ class _Vectors:
         """Return the results of a first step."""
         return next((step.results for step in self.run("", [(0, values)]).steps), None)
 
-    def patterns(self) -> list[Values]:
+    def patterns(self) -> tuple[list[Values], bool]:
         """Return observations at the start: all, or those that differ from the usual in one."""
-        sources = [
-            [{id_: of.given(v)} for v in (of.usual, *(v for v in of.tried if v != of.usual))]
-            + [{id_: None}]
-            for id_, of in self.inputs.items()
-        ]
+        sources: list[list[Values]] = []
+        for id_, of in self.inputs.items():
+            seen: dict[str, Values] = {}
+            for value in (*map(of.given, (of.usual, *of.tried)), None):
+                seen.setdefault(text(self.at_start({**self.base, id_: value})), {id_: value})
+            sources.append([*seen.values()])
         rows: Iterable[Sequence[Values]] = itertools.product(*sources)
-        if math.prod(map(len, sources)) > _PATTERNS:
+        is_all = math.prod(map(len, sources)) <= _PATTERNS
+        if not is_all:
             rows = ([one] for of in sources for one in of)
-        few = itertools.islice(rows, _PATTERNS)
-        return [{key: v for of in (self.base, *row) for key, v in of.items()} for row in few]
+        merged = (_merged([self.base, *row]) for row in itertools.islice(rows, _PATTERNS))
+        return [*merged], is_all
 
     def changes(self, patterns: Sequence[Values]) -> Iterator[tuple[str, Changes]]:
         """Yield the name of each run and what changes in it."""
@@ -644,7 +660,7 @@ class _Vectors:
         for id_, of in self.inputs.items():
             usual, odd = base[id_], [*map(of.given, of.tried)]
             rows = {
-                "value": enumerate([usual, *_ODD, usual, *odd, usual]),
+                "value": enumerate([*(v for of in _ODD for v in (usual, of)), usual, *odd, usual]),
                 "missed": enumerate([usual, None, usual, usual, odd[0], None, usual, usual]),
             }
             for name, row in rows.items():
@@ -700,10 +716,20 @@ def system_vectors(
     system: ReliabilitySystem, inputs: Sequence[BoundInput], about: Mapping[str, str]
 ) -> str:
     """Return the content of ``vectors.json``; empty for a system that is too large."""
-    with localcontext(prec=50):
+    with localcontext(prec=50), suppress(TooMuchError):
         vectors = _Vectors(system, inputs)
-        patterns = vectors.patterns()
-        ages = age_rows(inputs, vectors.base, vectors.at_start)
-        runs = (vectors.run(*row) for row in vectors.changes(patterns))
-        rows = itertools.chain[Run | list[object]]((run for run in runs if run.steps), ages)
-        return fitting_file(about, inputs, rows, complete=True)
+
+        def rows() -> Iterator[Run | list[object]]:
+            patterns, is_all = vectors.patterns()
+            for name, changes in vectors.changes(patterns):
+                run = vectors.run(name, changes)
+                is_all = is_all and len(run.steps) == len(changes)
+                yield from [run] if run.steps else []
+                if vectors.work > _MOST_WORK:
+                    raise TooMuchError
+            yield from age_rows(inputs, vectors.base, vectors.at_start)
+            if not is_all:
+                raise TooMuchError
+
+        return fitting_file(about, inputs, rows(), complete=True)
+    return ""

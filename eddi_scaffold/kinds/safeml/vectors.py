@@ -301,7 +301,8 @@ def safeml_vectors(
     size, complete = len(vectors_file(about, inputs, lists, complete=False)), True
     for test in tests:
         run = _run(copy(of), test, base)
-        size += len(text(run).encode()) + 4
-        complete &= size < MOST_BYTES
-        lists["runs"] += [run] if size < MOST_BYTES else []
+        length = len(text(run).encode()) + 4
+        fits = size + length < MOST_BYTES
+        size, complete = size + length * fits, complete and fits
+        lists["runs"] += [run] * fits
     return vectors_file(about, inputs, lists, complete=complete) if lists["runs"] else ""

@@ -36,7 +36,7 @@ def test_each_mutant_is_killed_or_proved_equal(tmp_path: Path) -> None:
         "camera_scope", "safeml/safeml_config.yml", "safeml/perception_config.yml", tmp_path
     )
     assert json.loads(package.vectors.read_text())["complete"]
-    survivors, _ = package.survivors(most=30)
+    survivors, _ = package.survivors(most=20)
     original = package.class_of(package.body)
     points = [value + d for value in original.tail._values for d in (-1e-6, 0.0, 1e-6)]
     values = sorted([*points, *(k / 100 for k in range(2000))])

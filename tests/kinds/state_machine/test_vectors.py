@@ -101,7 +101,7 @@ def is_proved(before: str, after: str, original: Any, mutant: Any, numbers: set[
 def test_each_mutant_is_killed_or_proved_equal(tmp_path: Path) -> None:
     package = Package("shuttle", "shuttle/shuttle.xml", "shuttle/shuttle_config.yml", tmp_path)
     assert json.loads(package.vectors.read_text())["complete"]
-    survivors, _ = package.survivors(most=50)
+    survivors, _ = package.survivors(most=30)
     original, lines = package.class_of(package.body), ast.unparse(ast.parse(package.body))
     for text in survivors:
         changes = ndiff(lines.splitlines(), text.splitlines())
