@@ -23,6 +23,7 @@ PACKAGES = {
     "mission's end": ("tests/data/reliability/every_input.yml", "", 304),
 }
 """Model, configuration, and how many single mutants its text has."""
+ARRAYS = 20  # random network of which a part is inferred by operations of numpy
 TRIED = 60  # of each, outside of the long profile
 
 
@@ -41,6 +42,28 @@ def test_every_mutant_is_seen(
             assert checked(monitor, mutant)[1] != [], mutant
             seen += 1
     assert seen > TRIED / 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*PACKAGES, "arrays"])
+def test_each_statement_is_needed(name: str, tmp_path: Path) -> None:
+    (tmp_path / "net.bif").write_text(MAKERS["bayesian_network"](ARRAYS)["network.bif"], "utf-8")
+    model, config, _ = PACKAGES.get(name, (str(tmp_path / "net.bif"), "", 0))
+    (monitor,), _ = monitors_of(ROOT / model, [ROOT / config] if config else [])
+    tree = ast.parse(monitor.compiled.text)
+    bodies = [of.body for of in ast.walk(tree) if isinstance(getattr(of, "body", None), list)]
+    seen = 0
+    for body in bodies:
+        for k in range(body is bodies[0], len(body)):  # all but the docstring
+            statement = body.pop(k)
+            body.extend([] if body else [ast.Pass()])
+            _, findings = checked(monitor, ast.unparse(tree))
+            assert findings != [], ast.unparse(statement)
+            body[:] = [of for of in body if not isinstance(of, ast.Pass)]
+            body.insert(k, statement)
+            seen += 1
+    assert seen > 20
+    assert checked(monitor, ast.unparse(tree))[1] == []
 
 
 @pytest.mark.parametrize(
@@ -74,9 +97,6 @@ def test_differences_are_told(name: str, old: str, new: str, expected: str) -> N
     assert old in text
     _, findings = checked(monitor, text.replace(old, new, 1))
     assert any(expected in finding.text for finding in findings), findings
-
-
-ARRAYS = 20  # random network of which a part is inferred by operations of numpy
 
 
 @pytest.mark.parametrize(
