@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _TRIES = 80  # for each fault
 _MOST_WORK = 800_000  # values that are computed for one result
 _MOST_STEPS = 600  # of a run
+_MOST_OPERATIONS = 120  # of a result
 _ERROR = 1e-11  # of sums that are rounded, above that of any way to add up
 _ALIKE = (
     *(("lt", "le", "gt", "ge"), ("eq", "ne"), ("eq_bool", "ne_bool"), ("eq_enum", "ne_enum")),
@@ -81,16 +82,20 @@ class Drawing:
         self.see, self.faulty = see, faulty or {}
         rows = self.program.operations
         rests: list[set[int]] = []  # of each operation, on what it rests
-        for k, row in enumerate(rows):
+        for k, row in enumerate(rows[:_MOST_OPERATIONS]):
             rests.append({k}.union(*(rests[arg] for arg in row.args)))
-        number_of = range(len(rows))
-        self.above = [[n for n in number_of if k in rests[n] and k != n] for k in number_of]
+        numbers = range(len(rests))
+        self.above = [[n for n in numbers if k in rests[n] and k != n] for k in numbers]
         self.random = random.Random(program.results[number].id).random  # noqa: S311 - always alike
         self.complete, self.missed, self.work = False, "", 0
         self.known: dict[str, list[Mapping[str, Any]]] = {}  # result -> values that gave it
         used = sorted({row.value for row in rows if row.op in ("variable", "age")})
         self.reads = [program.reads[k] for k in used]
-        self.pools = {name: self._in_unit(name, *pools) for name, pools in self._pools()}
+        self.pools = dict(self._pools())
+        self.pools |= {
+            name: self._in_unit(name, *self.pools[name])
+            for name in self.factors.keys() & self.pools
+        }
         self.period = period = program.period or 10**8
         self.jumps = (5 * period // 2, 5 * period // 2 + 1)
         lengths = sorted({row.window for row in rows if row.window})
@@ -116,7 +121,9 @@ class Drawing:
 
         Afterwards, ``complete`` says whether something shows of every operation.
         """
-        left, missed = [*self._faults()], list[_Fault]()
+        is_long = 2 * max(self.deltas) > _MOST_STEPS * self.jumps[0]
+        is_small = len(self.program.operations) <= _MOST_OPERATIONS and not is_long
+        left, missed = [*self._faults()] if is_small else [], list[_Fault]()
         hidden = {fault.place for fault in left}
         while left:
             for _ in range(_TRIES if self.work < _MOST_WORK else 0):
@@ -141,7 +148,8 @@ class Drawing:
                 break
             else:
                 missed.append(left.pop(0))
-        self.complete, self.missed = self.work < _MOST_WORK and not hidden, _listed(missed)
+        self.complete = is_small and self.work < _MOST_WORK and not hidden
+        self.missed = _listed(missed)
 
     def _history(self, given: Iterable[Sample], see: See | None = None, **more: Any) -> History:
         history = History(self.program, map(see or self.see, given), self.factors, **more)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
 
 MOST_BYTES = 64 * 1024
+MOST_INPUTS = 150  # the table of more would be too long
 text = partial(json.dumps, ensure_ascii=False, allow_nan=False)
 """A value as JSON on one line."""
 

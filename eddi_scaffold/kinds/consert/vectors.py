@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.graphs import in_order
-from eddi_scaffold.evidence.vectors import MOST_BYTES, age_row, text, vectors_file
+from eddi_scaffold.evidence.vectors import MOST_BYTES, MOST_INPUTS, age_row, text, vectors_file
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Bound,
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 Sets = list[frozenset[str]]
 MOST_SETS, MOST_VECTORS, DRAWN = 64, 4096, 256
 _MOST_PRODUCTS, _MOST_WORK = 4096, 1_000_000  # of sets; beyond, vectors are drawn
-_MOST_INPUTS = 150  # their table alone would be too long
 _MOST_STEPS = 200_000  # of all vectors, where a filter needs several steps for each
 _F, _U, _T = range(3)
 _LETTERS = "FUT"
@@ -133,7 +132,7 @@ def consert_vectors(
     about: Mapping[str, str],
 ) -> str:
     """Return the content of ``vectors.json``; ``about`` says of which model it is."""
-    if len(inputs) > _MOST_INPUTS:
+    if len(inputs) > MOST_INPUTS:
         return ""
     vectors = ConSertVectors(consert)
     bound, nodes = {input_.id: input_ for input_ in inputs}, {n.id: n for n in consert.leaf_nodes}

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.conditions.samples import Drawing, in_turn
-from eddi_scaffold.evidence.vectors import MOST_BYTES, run_row, text, vectors_file
+from eddi_scaffold.evidence.vectors import MOST_BYTES, MOST_INPUTS, run_row, text, vectors_file
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
@@ -31,6 +31,8 @@ def event_vectors(
         inputs: of the monitor.
         about: the file of the model and its digest.
     """
+    if len(inputs) > MOST_INPUTS:
+        return ""
     factors = {input_.id: input_.factor for input_ in inputs if input_.factor is not None}
     drawings = [Drawing(program, number, factors) for number in range(len(program.results))]
     lists: dict[str, list[Any]] = {
@@ -46,6 +48,7 @@ def event_vectors(
         lists["runs"].append(row)
     complete = size <= MOST_BYTES and all(drawing.complete for drawing in drawings)
     missed = [drawing.missed for drawing in drawings if drawing.missed]
+    missed = missed if size + len(text(missed)) < MOST_BYTES else []
     return vectors_file(about, inputs, {**lists, "missed": missed}, complete=complete)
 
 
