@@ -12,7 +12,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from decimal import Decimal, localcontext
+from decimal import Context, Decimal, localcontext
 from functools import lru_cache, partial
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -56,7 +56,7 @@ _DUST, _NEAR = D("1e-30"), D("1e-6")
 _MAX, _ANY = sys.float_info.max, (0.0, 0.0, 0.0)
 _NUMBERS = ("p_fail", "p_fail_low", "p_fail_high", "reliability", "mttf")
 _IS = {"nan": math.nan, "inf": math.inf}
-_ODD: list[Any] = [*({"is": of} for of in ("nan", "inf", "object", "absent")), "x", 1, 0.5, []]
+_ODD: list[Any] = [*({"is": of} for of in ("nan", "inf", "object", "absent")), "x", []]
 _RINGS = {
     "PNPN": [{0}, {1}, {2}, {3}],
     "PNPNPN": [{k, (k + 1) % 6} for k in range(6)],
@@ -238,8 +238,8 @@ class _Mission:
 
     def _series(self, model: ComponentModel, _: Values, __: Moment, known: Known) -> Estimate:
         parts = [known[name] for name in model.uses]
-        low = 1 - _product(1 - part.low for part in parts)
-        high = 1 - _product(1 - part.high for part in parts)
+        low = _gate("OR", None, [part.low for part in parts])
+        high = _gate("OR", None, [part.high for part in parts])
         life = parts[0].life if len(parts) == 1 else None
         flags = any(part.unknown for part in parts), any(part.wrong for part in parts)
         return Estimate(low, high, _product(part.alive for part in parts), life, *flags)
@@ -479,8 +479,10 @@ class _Tree:
 
 def _gate(kind: str, k: int | None, below: Sequence[Decimal]) -> Decimal:
     """Return how probable the output of a gate is, whose inputs are independent."""
-    if kind in ("OR", "AND") and below:
-        return _product(below) if kind == "AND" else 1 - _product(1 - p for p in below)
+    if kind == "AND" and below:
+        return _product(below)
+    if kind == "OR" and (p := 1 - _product(1 - p for p in below)) > _DUST:
+        return p
     happened = [D(1)]  # so many of those so far
     for p in below:
         pairs = zip([*happened, D(0)], [D(0), *happened], strict=True)
@@ -488,10 +490,10 @@ def _gate(kind: str, k: int | None, below: Sequence[Decimal]) -> Decimal:
     if not below:
         return D(0)
     if kind == "XOR":
-        return sum(happened[1::2], D(0))
+        return _sum(happened[1::2])
     if kind == "NOT":
         return happened[0]
-    return _sum(happened[k or 0 :])
+    return _sum(happened[k or 1 :])
 
 
 class _Input(NamedTuple):
@@ -659,8 +661,11 @@ class _Vectors:
         yield from (("start", [(0, pattern)]) for pattern in patterns)
         for id_, of in self.inputs.items():
             usual, odd = base[id_], [*map(of.given, of.tried)]
+            none = [*_ODD, *((1, 0.5) if "bool" in of.type else ())]
             rows = {
-                "value": enumerate([*(v for of in _ODD for v in (usual, of)), usual, *odd, usual]),
+                "value": enumerate(
+                    [*(v for of_ in none for v in (usual, of_)), usual, *odd, usual]
+                ),
                 "missed": enumerate([usual, None, usual, usual, odd[0], None, usual, usual]),
             }
             for name, row in rows.items():
@@ -716,7 +721,7 @@ def system_vectors(
     system: ReliabilitySystem, inputs: Sequence[BoundInput], about: Mapping[str, str]
 ) -> str:
     """Return the content of ``vectors.json``; empty for a system that is too large."""
-    with localcontext(prec=50), suppress(TooMuchError):
+    with localcontext(Context(prec=50)), suppress(TooMuchError):
         vectors = _Vectors(system, inputs)
 
         def rows() -> Iterator[Run | list[object]]:
