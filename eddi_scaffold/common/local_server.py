@@ -1,81 +1,14 @@
-"""Pages for a person on this machine: served on the loopback interface, with limits."""
+"""Pages for a person on this machine: served on the loopback interface only."""
 
 from __future__ import annotations
 
 import re
-import socket
-import threading
-import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from io import BufferedReader, RawIOBase
 from typing import Any
 
 from eddi_scaffold.common.problems import EddiError, problem
-
-_BUSY = b"HTTP/1.0 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 5\r\n\r\n"
-
-
-class TimedInput(RawIOBase):
-    """What comes over a connection, until its time is over: however slowly it drips."""
-
-    def __init__(self, connection: socket.socket, seconds: float) -> None:
-        self._connection = connection
-        self._end = time.monotonic() + seconds
-
-    def readable(self) -> bool:
-        """Return True: it can be read."""
-        return True
-
-    def readinto(self, buffer: Any) -> int:
-        """Wait for more, as long as there is time (TimeoutError)."""
-        self.limit()
-        return self._connection.recv_into(buffer)
-
-    def limit(self) -> None:
-        """Give what is read or written next no more than the remaining time (TimeoutError)."""
-        remaining = self._end - time.monotonic()
-        if remaining <= 0:
-            raise TimeoutError
-        self._connection.settimeout(remaining)
-
-
-class LimitedServer(ThreadingHTTPServer):
-    """A server with a thread for each connection, and an end to their number.
-
-    Attributes:
-        names: what ``Host`` may be.
-    """
-
-    daemon_threads = True
-
-    def __init__(self, address: tuple[str, int], handler: Any, connections: int) -> None:
-        self._free = threading.Semaphore(connections)
-        super().__init__(address, handler)
-        hosts = (address[0], "localhost")
-        self.names = frozenset(f"{host}:{self.server_port}" for host in hosts)
-        if self.server_port == 80:  # then browsers leave it out
-            self.names |= frozenset(hosts)
-
-    def process_request(self, request: Any, client_address: Any) -> None:
-        """Answer in a thread of its own, or not at all."""
-        if self._free.acquire(blocking=False):
-            super().process_request(request, client_address)
-            return
-        with suppress(OSError):
-            request.setblocking(False)
-            request.send(_BUSY)
-        self.shutdown_request(request)
-
-    def process_request_thread(self, request: Any, client_address: Any) -> None:
-        """Answer, and make room for the next one."""
-        try:
-            super().process_request_thread(request, client_address)
-        finally:
-            self._free.release()
-
 
 HOST = "127.0.0.1"
 HTML = "text/html; charset=utf-8"
@@ -93,12 +26,10 @@ _HEADERS = {
 }
 
 
-def open_server(
-    port: int, handler: type[Handler], parts: Mapping[str, Any], *, connections: int = 32
-) -> LimitedServer:
+def open_server(port: int, handler: type[Handler], parts: Mapping[str, Any]) -> ThreadingHTTPServer:
     """Return a server on the loopback interface that does not serve yet; E024: port taken."""
     try:
-        return LimitedServer((HOST, port), type("Handler", (handler,), dict(parts)), connections)
+        return ThreadingHTTPServer((HOST, port), type("Handler", (handler,), dict(parts)))
     except OSError as failure:
         raise EddiError(problem("E024", port=port, reason=failure.strerror or failure)) from None
 
@@ -114,24 +45,11 @@ class Refused(Exception):  # noqa: N818 - an answer, not an error
 class Handler(BaseHTTPRequestHandler):
     """Answers one connection."""
 
-    server: LimitedServer
-    # within which a request has come and its answer is taken, or the connection ends
-    seconds: float = 20.0
+    server: ThreadingHTTPServer
+    timeout = 20.0  # seconds in which nothing comes, or is taken, and the connection ends
     policy: str  # what a page may load
     server_version = "eddi-scaffold"
     sys_version = ""
-
-    def setup(self) -> None:
-        """Let the time of the request begin."""
-        super().setup()
-        self.rfile.close()
-        self._time = TimedInput(self.connection, self.seconds)
-        self.rfile = BufferedReader(self._time)
-
-    def more_time(self) -> None:
-        """Let the time begin anew, for a further part of an answer that has no end."""
-        self._time = TimedInput(self.connection, self.seconds)
-        self._time.limit()
 
     def do_GET(self) -> None:
         """Answer, or say why not."""
@@ -163,9 +81,10 @@ class Handler(BaseHTTPRequestHandler):
 
     def _check_origin(self) -> None:
         """Refuse what a page from elsewhere sends, also by a name that it points at us."""
-        hosts = self.headers.get_all("Host", [])
+        hosts, port = self.headers.get_all("Host", []), self.server.server_port
         host = hosts[0] if len(hosts) == 1 else ""
-        if host not in self.server.names:
+        names = (HOST, "localhost")
+        if host not in [*(f"{name}:{port}" for name in names), *(names if port == 80 else ())]:
             raise Refused(HTTPStatus.FORBIDDEN, "this page is for localhost only")
         origin = self.headers.get("Origin")
         if origin not in (None, "null", f"http://{host}") or (
@@ -177,10 +96,7 @@ class Handler(BaseHTTPRequestHandler):
         """Return what was sent; Refused if it is too long, or shorter than was said."""
         length = self._length()
         if length > MAX_BODY:
-            remaining = min(length, _DRAINED)
-            while remaining > 0:
-                block = self.rfile.read(min(remaining, MAX_BODY))
-                remaining = remaining - len(block) if block else 0
+            self.rfile.read(min(length, _DRAINED))
             text = f"more than {MAX_BODY} bytes are not taken: go back and shorten the text"
             raise Refused(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)
         body = self.rfile.read(length)
@@ -205,7 +121,6 @@ class Handler(BaseHTTPRequestHandler):
 
     def begin(self, status: HTTPStatus, kind: str, more: Mapping[str, str]) -> None:
         """Send the head of an answer."""
-        self._time.limit()
         self.send_response(status)
         headers = {"Content-Type": kind, "Content-Security-Policy": self.policy, **_HEADERS}
         for name, value in {**headers, **more}.items():

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from http import HTTPStatus
+from http.server import ThreadingHTTPServer
 from importlib.resources import files
 from string import Template
 from types import MappingProxyType
@@ -21,7 +22,7 @@ from typing import Any
 from urllib.parse import parse_qs
 
 from eddi_scaffold.common import local_server
-from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
+from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, Refused
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.scope import BOOL, Variable
@@ -58,17 +59,14 @@ def open_server(
     port: int,
     read_signal: ReadSignal,
     start: Page | None = None,
-    *,
-    seconds: float = 20.0,
-    connections: int = 32,
-) -> LimitedServer:
+) -> ThreadingHTTPServer:
     """Return a server of the page on the loopback interface, not serving yet.
 
     Raises:
         EddiError: the port is taken (E024).
     """
-    parts = {"read_signal": staticmethod(read_signal), "start": start or Page(), "seconds": seconds}
-    return local_server.open_server(port, _Handler, parts, connections=connections)
+    parts = {"read_signal": staticmethod(read_signal), "start": start or Page()}
+    return local_server.open_server(port, _Handler, parts)
 
 
 class _Handler(Handler):

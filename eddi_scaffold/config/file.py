@@ -26,7 +26,6 @@ from eddi_scaffold.yaml_text.nodes import (
     Map,
     Node,
     as_text,
-    hint_for_decimals,
     value_11,
 )
 from eddi_scaffold.yaml_text.spans import inside_scalar
@@ -126,7 +125,8 @@ def violations(
             yield problem("K003.missing_key", place, section=named, key=key)
         elif error["type"] == "extra_forbidden":
             place = places.get((*path, KEY), place)
-            hint = _hint_for_key(key, path, places, keys_at(form, path[:-1]))
+            known = keys_at(form, path[:-1])
+            hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
             yield problem("K003.unknown_key", place, hint=hint, key=key)
         else:
             raised = error.get("ctx", {}).get("error")  # by our own checks
@@ -137,18 +137,6 @@ def violations(
                 hint = raised.hint
             reason = reason.replace("Input should be", "must be")  # of pydantic, for a literal
             yield problem("K003.value", place, hint=hint, key=named, reason=reason)
-
-
-def _hint_for_key(
-    key: str, path: ValuePath, places: Mapping[ValuePath, Place], known: Mapping[str, Any]
-) -> str:
-    if not key.isidentifier():  # a part of an expression, whose key stands before it?
-        siblings = [at[-2] for at in places if at[-1:] == (KEY,) and at[:-2] == path[:-1]]
-        before = siblings[: siblings.index(path[-1])] if path[-1:] and path[-1] in siblings else []
-        if [name for name in before if str(name).isidentifier()][-1:] == ["expression"]:
-            return "put the expression in quotes: inside { } a comma ends it"
-    known_keys = f"known keys: {', '.join(sorted(known))}"
-    return hint_for_decimals(key) or did_you_mean(key, known) or known_keys
 
 
 def undecided(node: Node, names: Sequence[str] = ()) -> Iterator[Problem]:

@@ -37,8 +37,6 @@ from eddi_scaffold.eddi_xml.vocabulary import (
     ClassName,
     Spelling,
     fold,
-    is_misprint,
-    local_name,
     package_key,
 )
 
@@ -328,10 +326,6 @@ def read_document(
     if element is None:
         return None, problems
     document = EddiDocument(element, source.name, limits, origins)
-    for root in document.roots:
-        class_name = local_name(document.class_of(root).printed)
-        if fold(class_name) == "ddipackage" and is_misprint(class_name):
-            problems.append(problem("X006.root", document.place(root), name=class_name))
     return document, [*problems, *unknown_classes(document)]
 
 

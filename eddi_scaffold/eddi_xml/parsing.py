@@ -177,20 +177,6 @@ def text_of(element: Element) -> str:
     return "".join(str(part) for part in element.itertext())
 
 
-def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, str]]:
-    """Return the texts inside an element that are not white space, each with its parent.
-
-    One alone in an element without attributes is none: so EMF writes an attribute of many values.
-    """
-    steps = "descendant-or-self::*[@* or *]/" if deep else ""
-    stray: list[tuple[Element, str]] = []
-    for text in select(element, f"{steps}text()[normalize-space()]"):
-        before = text.getparent()  # for a tail: the sibling that it follows
-        parent = before.getparent() if text.is_tail else before
-        stray.append((before if parent is None else parent, text.strip()))
-    return stray
-
-
 def _parse(data: bytes, head: Head, name: str) -> tuple[Element | None, list[str], Problem | None]:
     """Parse strictly; where only prefixes are undeclared, declare them and parse strictly again."""
     # recovery of libxml2 silently repairs much else, and its log ends after 100 entries

@@ -7,13 +7,13 @@ counts the children of that feature only.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
+from eddi_scaffold.common.problems import shortened_list
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
-from eddi_scaffold.eddi_xml.vocabulary import fold, is_misprint
+from eddi_scaffold.eddi_xml.vocabulary import fold
 
 _FRAGMENT = re.compile(
     r"(?=/)(?:/{1,2}(?!@)([0-9]{1,9})?|/)?((?:/@[^\W\d][\w-]*(?:\.[0-9]{1,9})?)*)/?"
@@ -68,8 +68,6 @@ class References:
         self._index: dict[Element, _Children] = {}
         self._resolved: dict[tuple[int, str], Element] = {}
         self._paths: dict[Element, str] = {}
-        # feature names that paths needed repaired: as printed, as intended
-        self.misprints: Counter[tuple[str, str]] = Counter()
 
     def children(self, parent: Element, *folded: str) -> list[Element]:
         """Return the children in the features with these folded names, in document order."""
@@ -132,22 +130,14 @@ class References:
     def explain(self, fragment: Fragment) -> str:
         """Explain why a path points at nothing: the first segment that fails and what is there."""
         if fragment.root >= len(self._roots):
-            return f"the file has {len(self._roots)} roots, the index {fragment.root} is too large"
+            return f"the file has no root {fragment.root}"
         element, segments = self._roots[fragment.root], fragment.segments.split("/@")[1:]
         while (child := self._step(element, segments[0])) is not None and segments[1:]:
             element, segments = child, segments[1:]
-        name, _, digits = segments[0].partition(".")
-        path, by_name = self.path(element), self._children(element).by_name
-        if name in by_name:
-            count = len(by_name[name])
-            range_ = f"the index {digits} is out of range (0 to {count - 1})"
-            return f'{path} has {count} "{name}", {range_}'
-        if not by_name:
-            return f'{path} has no "{name}", it has no children'
-        features = [f'"{other}" ({len(group)})' for other, group in by_name.items()]
-        features = features[:8] + (["others"] if len(features) > 8 else [])
-        listed = " and ".join(filter(None, (", ".join(features[:-1]), features[-1])))
-        return f'{path} has no "{name}", it has {listed}'
+        by_name = self._children(element).by_name
+        features = [f'"{name}" ({len(group)})' for name, group in by_name.items()]
+        listed = shortened_list(features) if features else "no children"
+        return f'{self.path(element)} has no "{segments[0]}", it has {listed}'
 
     @cached_property
     def _ids(self) -> dict[str, list[Element]]:
@@ -174,9 +164,4 @@ class References:
         if index < len(exact):
             return exact[index]
         similar = children.by_folded.get(fold(name), ())
-        if index >= len(similar):
-            return None
-        printed = feature_of(similar[index])
-        is_file_wrong = is_misprint(printed) and not is_misprint(name)
-        self.misprints[(printed, name) if is_file_wrong else (name, printed)] += 1
-        return similar[index]
+        return similar[index] if index < len(similar) else None

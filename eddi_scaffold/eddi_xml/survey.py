@@ -199,35 +199,6 @@ def _is_left_out(document: EddiDocument, element: Element) -> bool:
     return is_left_out and not document.is_monitored(element)
 
 
-def event_monitors(document: EddiDocument) -> Iterator[Problem]:
-    """Yield an info (X021) on what event monitors read: here the configuration says it."""
-    query = 'descendant::*[local-name()="monitors"][@variableName]'
-    monitors = [monitor for root in document.roots for monitor in select(root, query)]
-    if monitors:
-        variables = [str(monitor.get("variableName")) for monitor in monitors]
-        listed = ", ".join(variables[:8]) + (", ..." if len(variables) > 8 else "")
-        fields = {"number": plural(len(monitors), "EventMonitor"), "listed": listed}
-        yield problem("X021.variables", document.place(monitors[0]), **fields)
-
-
-def unused_design(document: EddiDocument) -> Iterator[Problem]:
-    """Yield an info (X021) on what the design holds besides systems and services."""
-    waiting = [p for p in document.packages() if document.class_of(p).name == "designpackage"]
-    unused: list[Element] = []
-    for element in waiting:
-        for child in element.iterchildren():
-            feature = fold(feature_of(child))
-            if feature in CLASSES["design"]:
-                waiting.append(child)
-            elif feature != _MAPS and not document.holds_models(child):
-                unused.append(child)
-    if unused:
-        counts = Counter(map(feature_of, unused))
-        text = ", ".join(f"{count} {feature}" for feature, count in counts.items())
-        first = min(map(document.place, unused), key=lambda place: place.line or 0)
-        yield problem("X021.unused", first, elements=text)
-
-
 def foreign(document: EddiDocument) -> Problem | None:
     """Return F003 for XML that is not an EDDI by any of its roots, ``None`` for one that may be."""
     for root in document.roots:

@@ -27,11 +27,6 @@ def local_name(tag: str) -> str:
     return re.split(r"[}:]", tag)[-1]
 
 
-def is_misprint(name: str) -> bool:
-    """Return whether folding had to repair more than underscores and case."""
-    return fold(name) != name.strip("_").casefold()
-
-
 @dataclass(frozen=True)
 class Spelling:
     """A name of the metamodel."""
@@ -47,10 +42,6 @@ class Spelling:
     def accepts(self, name: str) -> bool:
         """Return whether a printed name means this one."""
         return fold(name) in self.folded
-
-    def is_exact(self, name: str) -> bool:
-        """Return whether a printed name is one of the accepted ones, letter by letter."""
-        return name == self.name or name in self.also
 
 
 @dataclass(frozen=True)

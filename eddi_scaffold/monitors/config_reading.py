@@ -39,7 +39,7 @@ from eddi_scaffold.config.schema import Config, ModelSection
 from eddi_scaffold.eddi_xml.parsing import looks_like_xml
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.spellings import kinds_of_type, spelt_out
-from eddi_scaffold.yaml_text.nodes import Map, hint_for_decimals, read_maps, text_of
+from eddi_scaffold.yaml_text.nodes import Map, read_maps, text_of
 
 _NO_OUTPUTS = (
     "SimulatorOutputs has none: `--system FILE --models DIR` takes them from the robot's models"
@@ -158,7 +158,7 @@ def _unknown_options(section: object, places: Places, file: str) -> Iterator[Pro
     similar = SimilarNames(sorted(known), "known keys")
     for key in (key for key in section if key not in known):
         place = places.get(("Model", key, KEY), Place(file))
-        hint = hint_for_decimals(key) or similar.hint(key)
+        hint = similar.hint(key)
         if key in MODEL_KEYS and isinstance(section[key], str):
             hint = f"write `model: {section[key]}`"
         yield problem("K003.unknown_key", place, hint=hint, key=key)

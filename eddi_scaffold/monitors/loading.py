@@ -138,9 +138,8 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
     ]
     if not models and (stranger := survey.foreign(document)) is not None:
         return ReadResult((), (stranger,))
-    not_read = [element.problem() for element in survey.unread(document)]
-    not_read += (*survey.event_monitors(document), *survey.unused_design(document))
-    return ReadResult(tuple(models), tuple(problems), tuple(not_read), hazard_analysis(document))
+    not_read = tuple(element.problem() for element in survey.unread(document))
+    return ReadResult(tuple(models), tuple(problems), not_read, hazard_analysis(document))
 
 
 def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> ReadResult:

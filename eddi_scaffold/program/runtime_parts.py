@@ -15,7 +15,6 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "bayesian_network/direct": ("bayesian_network",),
     "bayesian_network/explain": ("bayesian_network",),
     "bayesian_network/memory": ("bayesian_network/readers",),
-    "bayesian_network/patterns": ("bayesian_network/schedule",),
     "bayesian_network/readers": ("bayesian_network",),
     "bayesian_network/schedule": ("bayesian_network/arrays",),
     "bayesian_network/tables": ("bayesian_network",),

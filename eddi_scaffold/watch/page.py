@@ -12,12 +12,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 from http import HTTPStatus
+from http.server import ThreadingHTTPServer
 from importlib.resources import files
 from typing import Any
 
 from eddi_scaffold.common import local_server
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
+from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, Refused
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.watch.fleet import RobotView, Snapshot
@@ -107,7 +108,7 @@ def _version(graph: Diagram) -> int:
     return zlib.crc32(repr(graph).encode())
 
 
-STREAMS = 16  # at once; the other connections are for pages
+STREAMS = 16  # at once
 _STREAM_S = 600.0  # after which a stream ends; a browser opens it anew
 _ALIVE_S = 5.0
 _PICTURES = 64
@@ -148,25 +149,15 @@ class Feed:
             self._news.notify_all()
 
 
-def open_server(
-    port: int,
-    feed: Feed,
-    *,
-    seconds: float = 20.0,
-    connections: int = 32,
-) -> LimitedServer:
+def open_server(port: int, feed: Feed) -> ThreadingHTTPServer:
     """Return a server of the page on a port (0: any that is free), not serving yet.
-
-    Within some seconds a request has come, and an answer or event is taken; who connects when there
-    are too many is asked to retry.
 
     Raises:
         EddiError: the port is taken (E024).
     """
     parts: dict[str, Any] = {"feed": feed, "pictures": {}}
-    parts["streams"] = threading.Semaphore(min(STREAMS, connections // 2))
-    parts["seconds"] = seconds
-    return local_server.open_server(port, _Handler, parts, connections=connections)
+    parts["streams"] = threading.Semaphore(STREAMS)
+    return local_server.open_server(port, _Handler, parts)
 
 
 class _Handler(Handler):
@@ -215,7 +206,6 @@ class _Handler(Handler):
                 view = self.feed.after(sent, _ALIVE_S)
                 text = ": nothing new" if view is sent else f"data: {json.dumps(view.page)}"
                 sent = view
-                self.more_time()
                 self.wfile.write(f"{text}\n\n".encode())
         finally:
             self.streams.release()

@@ -109,13 +109,6 @@ def shown(text: str) -> str:
     return repr(text if len(text) <= 60 else f"{text[:57]}...")
 
 
-def hint_for_decimals(key: str) -> str | None:
-    """Return the hint for a key that is what stood behind the comma of a number."""
-    if not key[:1].isdecimal():
-        return None
-    return "a number has a decimal point: inside { } a comma ends it"
-
-
 def is_null(node: Node) -> bool:
     """Return whether a node is a plain ``null`` or empty."""
     return isinstance(node, Scalar) and node.plain and node.text in _NULLS

@@ -80,15 +80,3 @@ def test_a_requirement_may_be_in_another_file_and_a_part_may_not() -> None:
     part = '<runtimeEvidences name="LensClean"/>'
     inside = reading("lift.xml", (part, '<runtimeEvidences href="parts.xml#//"/>'))
     assert ("error", "X007") in {(one.level, one.code) for one in inside.problems}
-
-
-def test_an_attribute_of_many_values_is_no_stray_text() -> None:
-    lines = "<keywords>one</keywords><keywords>two</keywords>"
-    system = '<systemBoundaries name="b"/>'
-    assert not [
-        one
-        for one in reading("lift.xml", (system, system + lines)).problems
-        if one.case == "X006.text"
-    ]
-    stray = reading("lift.xml", (system, f"{system} lost {lines}"))
-    assert [one.place.line for one in stray.problems if one.case == "X006.text"] == [6]

@@ -50,8 +50,7 @@ def diagnostics(t: float, node: str, **values: str) -> Message:
 
 
 @contextmanager
-def serving(fleet: Fleet, *, seconds: float = 20.0, connections: int = 32) -> Iterator[int]:
-    limits = {"seconds": seconds, "connections": connections}
-    with served(open_server(0, fleet.feed, **limits)) as port:
+def serving(fleet: Fleet) -> Iterator[int]:
+    with served(open_server(0, fleet.feed)) as port:
         yield port
         fleet.feed.close()

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from eddi_scaffold.watch import page
 from eddi_scaffold.watch.messages import Message
 from tests.pages import ask
 from tests.watch.served import Fleet, diagnostics, serving
@@ -72,8 +73,9 @@ def test_only_this_machine_by_its_name_is_answered(path: str) -> None:
         assert ask(port, path, Origin="http://evil.example")[0] == 403
 
 
-def test_streams_leave_room_for_pages() -> None:
-    with serving(Fleet(), connections=4) as port:
+def test_streams_have_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page, "STREAMS", 2)
+    with serving(Fleet()) as port:
         open_ones = [http.client.HTTPConnection("127.0.0.1", port, timeout=10) for _ in range(2)]
         for one in open_ones:
             one.request("GET", "/events")

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import heapq
 import random
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from itertools import combinations, islice
 from typing import NamedTuple
@@ -61,12 +61,11 @@ def find_tree(
     part: Component,
     cost: Callable[[Tree], int],
     trials: int = 8,
-    narrow: Collection[int] = (),
 ) -> Tree:
     """Return the tree of the smallest cost of a fixed number of trials.
 
     50 trials find trees with 20 % fewer operations than 8, in six times the time; large parts get
-    fewer. Inputs that are ``narrow`` mostly have no axis.
+    fewer.
     """
     fixed, own = mask_of(part.always_observed), list[Leaf]()
     for node in part.nodes:
@@ -74,24 +73,22 @@ def find_tree(
         # the node is observed.
         if node in part.outputs or node not in part.inputs or shape.parents[node]:
             family = mask_of(shape.family(node))
-            # Tables with narrow nodes depend on their states, too, although they have an axis.
-            own.append(Leaf(TABLE, node, family & ~fixed, family & (fixed | mask_of(narrow))))
+            own.append(Leaf(TABLE, node, family & ~fixed, family & fixed))
     own += [Leaf(EVIDENCE, node, 1 << node, 1 << node) for node in part.inputs]
     own += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in part.inputs]
     leaves = tuple(own)
-    cards = tuple(1 if node in narrow else card for node, card in enumerate(shape.cards))
     trees = []
     for trial in range(max(1, min(trials, _LEAVES_IN_ALL_TRIALS // len(leaves)))):
         weight = random.Random(trial).random if trial else lambda: 0.5  # noqa: S311 - no secret
-        search = _Search(leaves, cards, _GAINS[trial % 2], weight)
+        search = _Search(leaves, shape.cards, _GAINS[trial % 2], weight)
         search.join_pairs(constants_only=True)
         while len(search.active) > 2:  # once, unless there are more partners than are compared
             search.join_pairs(constants_only=False)
         trees.append(search.tree())
     for rule in (fewest_edges, smallest_table):
-        search = _Search(leaves, cards, _GAINS[0], lambda: 0.5)
+        search = _Search(leaves, shape.cards, _GAINS[0], lambda: 0.5)
         search.join_pairs(constants_only=True)
-        search.eliminate(elimination_order([leaf.mask for leaf in leaves], cards, rule))
+        search.eliminate(elimination_order([leaf.mask for leaf in leaves], shape.cards, rule))
         trees.append(search.tree())
     return min(trees, key=cost)  # the first of equals
 

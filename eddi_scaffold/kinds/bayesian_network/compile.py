@@ -9,7 +9,6 @@ from eddi_runtime.bayesian_network.readers import Declaration as Declared
 
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
 from eddi_scaffold.kinds.bayesian_network.inference_plan import (
-    WIDE,
     Part,
     Program,
     everything,
@@ -36,7 +35,7 @@ from eddi_scaffold.program.monitor_text import (
 
 FORMAT = 3
 MODULES = (
-    "claims", "direct", "explain", "memory", "patterns", "readers", "schedule", "tables",
+    "claims", "direct", "explain", "memory", "readers", "schedule", "tables",
 )  # fmt: skip
 """Modules of the runtime's part, of which a package has those that its monitor uses."""
 _ROOM = "bayesian_network"
@@ -243,9 +242,7 @@ class _ProgramText:
         if part.tables is not None:
             inference = self._tables(part.plan, part.tables, name)
         else:
-            inference = self._schedule(part, name)
-            if part.adapted is not None:
-                inference = self._adapted(part.adapted, inference, f"{name}_adapted")
+            inference = self._schedule(part.plan, name)
         fields: dict[str, py.Part] = {
             "inputs": py.literal(tuple(self._positions[node] for node in component.inputs)),
             "outputs": py.literal(component.outputs),
@@ -293,12 +290,12 @@ class _ProgramText:
         )
         self._write(f"P({py.comment(output)}, evidence)", name, rows)
 
-    def _schedule(self, part: Part, name: str) -> py.Part:
-        plan, program = part.plan, part.plan.program
+    def _schedule(self, plan: Plan, name: str) -> py.Part:
+        program = plan.program
         self._messages(plan, name)
         hard: py.Part = "None"
         full: py.Part = "None"
-        if not self._loops and part.adapted is None:
+        if not self._loops:
             steps = Steps(program, self._cards, self._positions, look_up=True)
             hard = self._steps(steps, f"{name}_hard")
         if not plan.part.always_observed:
@@ -308,13 +305,6 @@ class _ProgramText:
         answers = [program.answers[node] for node in plan.part.outputs] or program.evidence
         fields = [py.literal(tuple(map(edges.index, answers))), hard, full]
         return py.call("schedule.Schedule", ["nodes", f"{name}_messages", *fields])
-
-    def _adapted(self, plan: Plan, otherwise: py.Part, name: str) -> py.Part:
-        self._messages(plan, name)
-        steps = Steps(plan.program, self._cards, self._positions, adapting=True)
-        inputs = tuple(node for node in plan.part.inputs if node not in plan.part.outputs)
-        fields = [f"{name}_messages", self._loop(steps, name), py.literal(inputs), str(WIDE)]
-        return py.call("patterns.Adapted", [otherwise, *fields])
 
     def _messages(self, plan: Plan, name: str) -> None:
         """Write the messages of a plan, for which the runtime makes arrays."""

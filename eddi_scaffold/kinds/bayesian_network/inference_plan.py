@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import itertools
 import math
-import random
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network.clique_tree import Tree, find_tree
 from eddi_scaffold.kinds.bayesian_network.joint_tables import JointTable, JointTables, added, fits
-from eddi_scaffold.kinds.bayesian_network.message_passing import Plan, make_program, plan_of
+from eddi_scaffold.kinds.bayesian_network.message_passing import Plan, plan_of
 from eddi_scaffold.kinds.bayesian_network.network import (
     NumberedNetwork,
     Shape,
@@ -27,9 +25,6 @@ from eddi_scaffold.kinds.bayesian_network.network import (
 
 LARGE = 100_000  # Entries of the largest table from which a step takes about a millisecond (B301)
 TOO_LARGE = 10_000_000  # Entries above which a network is refused (B301)
-WIDE = 200_000
-"""Nanoseconds of a step from which arrays are made for each pattern of observed inputs."""
-_PATTERNS = 24
 _TRIALS = 8
 MAX_CASES = 1024  # Cases whose posteriors are written out
 _LEAST_EXPONENT = -900
@@ -89,8 +84,6 @@ class Part(NamedTuple):
     plan: Plan  # how it is inferred
     tables: tuple[JointTable, ...] | None  # of its outputs; None: it is too large for tables
     least: int  # lower bound of the exponent of any product of its non-zero probabilities
-    # for steps in which most inputs are observed, where the part is wide
-    adapted: Plan | None = None
 
 
 class Program(NamedTuple):
@@ -144,7 +137,6 @@ def foreseen(
         own = _parts(network, [plan], tables=tables)
         faster = own
         if own and own[0].tables is None:
-            own = [own[0]._replace(adapted=_adapted_plan(shape, plan, trials))]
             split = [plan_of(shape, part, trials) for part in with_all_observed(shape, plan.part)]
             costs = [other.program.costs(shape.cards)[0] for other in split]
             is_cheaper = sum(costs) < plan.program.costs(shape.cards)[0]
@@ -165,29 +157,6 @@ def everything(network: NumberedNetwork, instead_of: Program) -> Program | None:
     plans = tuple(plan._replace(program=plan.program.untabulated()) for plan in plans)
     parts = tuple(_parts(network, plans, tables=True))
     return Program(nodes, nodes, parts, parts)
-
-
-def _adapted_plan(shape: Shape, plan: Plan, trials: int) -> Plan | None:
-    """Return the plan for arrays without the axes of observed nodes, None for a narrow part.
-
-    Its order of sums is the cheapest on average when one of four inputs is not observed.
-    """
-    part, cards = plan.part, shape.cards
-    inputs = [node for node in part.inputs if node not in part.outputs]
-    if plan.program.costs(cards)[0] < WIDE or len(inputs) < 2 or not part.outputs:
-        return None
-    patterns = []
-    for seed in range(_PATTERNS):
-        rng = random.Random(seed)  # noqa: S311 - no secret
-        observed = {node for node in inputs if rng.random() < 0.75}
-        patterns.append(tuple(1 if n in observed else card for n, card in enumerate(cards)))
-
-    def price(tree: Tree) -> int:
-        program = make_program(tree, part, cards).untabulated()
-        return sum(min(program.costs(pattern)[1], WIDE) for pattern in patterns)
-
-    tree = find_tree(shape, part, price, trials, inputs)
-    return Plan(part, tree, make_program(tree, part, cards).untabulated())
 
 
 def _parts(network: NumberedNetwork, plans: Sequence[Plan], *, tables: bool) -> list[Part]:

@@ -15,7 +15,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
+from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE
 from eddi_scaffold.kinds.bayesian_network.message_passing import Edge, Message, MessageProgram
 from eddi_scaffold.kinds.bayesian_network.network import bits
 
@@ -52,7 +52,6 @@ class Steps:
         positions: Mapping[int, int],  # node -> its place in the states
         *,
         look_up: bool = False,  # tabulated messages are looked up; else each input has a vector
-        adapting: bool = False,  # shapes are nodes, because an observed one will have no axis
     ) -> None:
         self.slots: list[tuple[object, ...]] = []  # how each array is made
         self.names: list[str] = []  # of the slots in the text
@@ -60,7 +59,7 @@ class Steps:
         self.cases: dict[str, list[tuple[int, int]]] = {}
         self.operations: list[Operation] = []  # in the order of the step
         self._program, self._messages = program, program.messages
-        self._cards, self._positions, self._adapting = cards, positions, adapting
+        self._cards, self._positions = cards, positions
         self._looked_up = program.tabulated if look_up else set()
         self._numbers = {edge: k for k, edge in enumerate(program.messages)}
         self._case_of: dict[int, str] = {}
@@ -163,7 +162,7 @@ class Steps:
         width = second[-1]
         chunk = (_GEMM if width else _GEMV) // (self._size(summed) * self._size(width))
         count = self._size(merged[place]) if len(merged) > place else 1
-        if self._adapting or not 0 < chunk < count:
+        if not 0 < chunk < count:
             self._add(edge, function, [*forms, view], axes)
             return
         # In pieces that are too small for several threads: one that is not scheduled at once costs
@@ -188,7 +187,7 @@ class Steps:
     def _new_form(self, edge: Edge, groups: tuple[Axes, ...]) -> str:
         message, number = self._messages[edge], self._numbers[edge]
         nodes, shape = tuple(bits(message.mask)), self._shape(groups)
-        if not message.inputs or (self._adapting and message.kind == TABLE):
+        if not message.inputs:
             return self._slot("k", "constant", number, _turned(nodes, groups), shape)
         if edge in self._looked_up:
             inputs = tuple(-1 - node for node in bits(message.inputs))
@@ -205,10 +204,7 @@ class Steps:
         sizes = self._shape(_single(axes))
         copy = self._slot("c", "result", sizes)
         turned_view = self._slot("v", "view", _number(result), _turned(order, groups), sizes)
-        if self._adapting:  # without the axes of observed nodes it is mostly no copy
-            self._add(edge, "multiply", [turned_view, self._slot("o", "ones", 1), copy], axes)
-        else:
-            self._add(edge, "copyto", [copy, turned_view], axes)
+        self._add(edge, "copyto", [copy, turned_view], axes)
         return self._reshaped(copy, _single(axes), groups)
 
     def _view(self, result: str, order: Axes, groups: tuple[Axes, ...]) -> str | None:
@@ -229,7 +225,7 @@ class Steps:
         return self._slot("v", "view", _number(name), turned, self._shape(new))
 
     def _shape(self, groups: tuple[Axes, ...]) -> tuple[object, ...]:
-        return groups if self._adapting else tuple(map(self._size, groups))
+        return tuple(map(self._size, groups))
 
     def _case(self, message: Message) -> str:
         """Return the variable with the number of the case of some inputs."""

@@ -8,8 +8,8 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
-from eddi_scaffold.eddi_xml.parsing import Element, feature_of, stray_texts
-from eddi_scaffold.eddi_xml.vocabulary import Spelling, is_misprint, local_name
+from eddi_scaffold.eddi_xml.parsing import Element, feature_of
+from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.options import with_default_guarantees
 from eddi_scaffold.kinds.consert.read_eddi_dimensions import DimensionReader
@@ -32,34 +32,24 @@ def read_eddi(
     """
     findings = EddiFindings(document)
     conserts: list[model.ConSert] = []
-    parts: list[Element] = []
     first: dict[str, Element] = {}
     for package in document.packages():
         is_untyped = not document.class_of(package).name
         if is_untyped and document.children(package, names.CONSERTS):
             findings.report("X010.package_type", package)
     for element in consert_elements(document):
-        owner = element.getparent()
-        class_name = document.class_of(owner).printed if owner is not None else ""
-        if owner is not None and is_misprint(local_name(class_name)):
-            findings.count("X006.class", owner, class_name=class_name)
         _check_names(element, findings)
         reader = _ConSertReader(element, findings)
         name = document.attribute(element, names.NAME) or source.stem
         consert = reader.read(name)
-        parts += [element, *reader.services]
         if name in first:
             line = document.place(first[name]).line
             findings.report("C007.duplicate_name", element, name=name, line=line)
         elif consert is not None:
             conserts.append(consert)
         first.setdefault(name, element)
-    if not parts:
+    if not first:
         return (), findings.problems()
-    _check_stray_text(parts, findings)
-    for (printed, intended), times in document.references.misprints.items():
-        case = "X006.path_misprint" if is_misprint(printed) else "X006.path_spelling"
-        findings.count(case, parts[0], times, name=printed, meant=intended)
     marked, unclear = with_default_guarantees(conserts, default_guarantees, source.name)
     return marked, [*findings.problems(), *unclear]
 
@@ -85,7 +75,6 @@ class _ConSertReader:
         self.document = findings.document
         self.dimensions = DimensionReader(findings)
         self.ids: dict[Element, str] = {}  # of all nodes; holding elements keeps their identity
-        self.services: list[Element] = []
 
     def read(self, name: str) -> model.ConSert | None:
         """Return the ConSert, ``None`` when it has an error."""
@@ -283,7 +272,6 @@ class _ConSertReader:
                 else:
                     fields = {"link": member.name, "actual": self.document.describe(end)}
                     self.findings.report("X009.other_configuration", service, **fields)
-        self.services += members
         for service, ids in members.items():
             child = self.findings.only(service, names.SERVICE_TYPE)
             type_ = self.document.attribute(child, names.NAME) if child is not None else None
@@ -318,37 +306,19 @@ _KNOWN = (
 
 
 def _check_names(consert: Element, findings: EddiFindings) -> None:
-    """Report names below a ConSert that are misspelt or unknown, once per name and file."""
+    """Report names below a ConSert that are unknown, once per name and file."""
     waiting = [consert]
     while waiting:
         element = waiting.pop()
         keys = [key for key in map(str, element.attrib) if not key.startswith("{")]
         parts = [("attribute", key, element) for key in keys]
-        parts += [("child", local_name(str(child.tag)), child) for child in element.iterchildren()]
-        children: list[Element] = []
+        parts += [("child", feature_of(child), child) for child in element.iterchildren()]
         for kind, name, part in parts:
-            matches = [spelling for spelling in _KNOWN if spelling.accepts(name)]
-            if not matches:
-                owner = feature_of(element)
-                findings.count("X006.unknown", part, subject=kind, name=name, owner=owner)
-            elif not any(spelling.is_exact(name) for spelling in matches):
-                case, meant = "X006.spelling", matches[0].name
-                case = "X006.misprint" if is_misprint(name) else case
-                findings.count(case, part, subject=kind, name=name, meant=meant)
-            if kind == "child" and not {*matches}.isdisjoint(_OBJECTS):
-                children.append(part)
-        waiting += reversed(children)
-
-
-def _check_stray_text(parts: Sequence[Element], findings: EddiFindings) -> None:
-    """Report character data around these parts of a file: between objects there should be none."""
-    roots = frozenset(findings.document.roots)
-    texts = [text for root in findings.document.roots for text in stray_texts(root, deep=False)]
-    tops: dict[Element, None] = {}
-    for part in parts:
-        top, parent = part, part.getparent()
-        while parent is not None and parent not in roots:
-            top, parent = parent, parent.getparent()
-        tops[top] = None
-    for element, text in [*texts, *(text for top in tops for text in stray_texts(top))]:
-        findings.count("X006.text", element, text=text[:20])
+            if not any(spelling.accepts(name) for spelling in _KNOWN):
+                fields = {"subject": kind, "name": name, "owner": feature_of(element)}
+                findings.count("X006.unknown", part, **fields)
+        waiting += [
+            child
+            for child in element.iterchildren(reversed=True)
+            if any(spelling.accepts(feature_of(child)) for spelling in _OBJECTS)
+        ]

@@ -30,9 +30,7 @@ from eddi_scaffold.yaml_text.spans import inside_scalar
 _SUBSETS = {"within": "Guarantee", "covers": "Demand"}
 
 
-def read_consert(
-    source: Source, name: str | None = None
-) -> tuple[model.ConSert | None, list[Problem]]:
+def read_consert(source: Source) -> tuple[model.ConSert | None, list[Problem]]:
     """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
 
     Returns:
@@ -46,7 +44,7 @@ def read_consert(
         expansion = _Expansion(source.text("C001"))
         root = expansion.full_form(root)
         problems += expansion.problems
-    consert, more = read_full(root, source.stem if name is None else name)
+    consert, more = read_full(root, source.stem)
     return consert, [*problems, *more]
 
 
@@ -67,13 +65,7 @@ _SECTIONS = {
 }
 """Key -> what it declares, and the form of that; the first key of a form may stand alone."""
 _NODES = ("evidence", "demands", "gates", "guarantees")  # of these, what has an id in expressions
-_ROOT = _form("guarantees", *_SECTIONS)._replace(
-    hints={
-        "tree_propagations": "edges follow from the expressions",
-        "required_services": "write `requires: {SERVICE: [DEMAND, ...]}`",
-        "provided_services": "write `provides: {SERVICE: [GUARANTEE, ...]}`",
-    }
-)
+_ROOT = _form("guarantees", *_SECTIONS)
 
 
 class _Declared(NamedTuple):

@@ -10,12 +10,11 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_similar, problem
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
 MAX_ID = 128
-_MOST_UNKNOWN_KEYS = 100  # of one map that are compared with a missing one
 UNREADABLE = model.BinaryDimension("")
 """Stands for a faulty dimension, so that checking goes on with the rest of the file."""
 _SHORT = ", or the short form: `guarantees: {MayDrive: PathIsFree AND Charge}`"
@@ -39,7 +38,6 @@ class Form(NamedTuple):
     make: Callable[..., Any]  # takes the values of the fields in their order, and a place
     fields: tuple[Field, ...]
     kind: str = ""  # of an element with an id, which messages call `<kind> '<id>'`
-    hints: Mapping[str, str] = {}  # unknown key -> what to write instead
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -94,39 +92,23 @@ class Reader:
 
     def check_keys(self, node: y.Map, what: str, form: Form) -> None:
         """Report keys that are missing or unknown."""
-        keys, known = node.keys(), {field.key: field for field in form.fields}
-        present, unknown = set(keys), [key for key in keys if key not in known]
-        meant: set[str] = set()
-        short = _SHORT
-        for key, field in known.items():
-            if key in present or field.is_optional:
-                continue
-            similar = most_similar(key, unknown[:_MOST_UNKNOWN_KEYS])
-            hint = f"write `{key}: []` for none{short}" if form.fields is _SECTIONS else None
-            short = ""
-            if similar is not None:
-                meant.add(similar)
-                hint = f"the key {y.shown(similar)} is there: did you mean {key!r}?"
-                if (similar, key) == ("dimension", "dimensions"):
-                    hint = "the key 'dimension' is there: use `dimensions: [...]`"
-            self.report("C002.no_key", node, hint=hint, subject=what, key=key)
+        present, known = set(node.keys()), {field.key: field for field in form.fields}
         absent = [key for key in known if key not in present]
+        for key in absent:
+            if not known[key].is_optional:
+                hint = f"write `{key}: []` for none{_SHORT}" if form.fields is _SECTIONS else None
+                self.report("C002.no_key", node, hint=hint, subject=what, key=key)
+        similar = SimilarNames(absent)
         for name, _ in node.entries:
-            if name.text not in known and name.text not in meant:
-                hint = y.hint_for_decimals(name.text) or form.hints.get(name.text)
-                hint = hint or did_you_mean(name.text, absent)
-                self.report(
-                    "C002.unknown_key", name, hint=hint, name=y.shown(name.text), subject=what
-                )
+            if name.text not in known:
+                fields = {"name": y.shown(name.text), "subject": what}
+                self.report("C002.unknown_key", name, hint=similar.hint(name.text), **fields)
 
-    def unknown_word(
-        self, word: y.Scalar, title: str, known: tuple[str, ...], hint: str | None = None
-    ) -> None:
+    def unknown_word(self, word: y.Scalar, title: str, known: tuple[str, ...]) -> None:
         """Report a word outside of a closed set."""
         self.report(
             "C002.unknown_word",
             word,
-            hint=hint or did_you_mean(word.text, known),
             kind=title,
             word=y.shown(word.text),
             allowed=", ".join(known),
@@ -137,10 +119,7 @@ def text_of(reader: Reader, node: y.Node, what: str, _owner: str) -> str | None:
     """Read a text."""
     text = y.as_text(node)
     if text is None:
-        hint = None
-        if isinstance(node, y.Scalar) and node.text:
-            hint = f'if the text "{node.text}" is meant, put it in quotes'
-        reader.report("C002.text", node, hint=hint, subject=what, node=y.describe(node))
+        reader.report("C002.text", node, subject=what, node=y.describe(node))
     return text
 
 
@@ -171,20 +150,17 @@ def _bound(reader: Reader, node: y.Node, what: str, _owner: str) -> model.Bound 
     number = y.as_number(node)
     if number is not None:
         return model.Bound(number.text, number.value)
-    hint = None
-    if isinstance(node, y.Scalar) and y.as_number(y.Scalar(node.text, plain=True)) is not None:
-        hint = f"write {node.text} without quotes"
-    reader.report("C002.number", node, hint=hint, subject=what, node=y.describe(node))
+    reader.report("C002.number", node, subject=what, node=y.describe(node))
     return None
 
 
-def word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None = None) -> Read:
+def word_of(title: str, known: tuple[str, ...]) -> Read:
     """Return what reads a word of a closed set."""
 
     def read_word(reader: Reader, node: y.Node, what: str, owner: str) -> str | None:
         text = text_of(reader, node, what, owner)
         if text is not None and text not in known and isinstance(node, y.Scalar):
-            reader.unknown_word(node, title, known, (hints or {}).get(text.casefold()))
+            reader.unknown_word(node, title, known)
         return text if text in known else None
 
     return read_word
@@ -279,10 +255,7 @@ _DIMENSIONS = Field(
 )
 _DEFAULT = Field("default", _scalar(y.as_bool, "C002.boolean"), is_optional=True, substitute=False)
 RANKING = Field("ranking", _or_null(_scalar(y.as_integer, "C002.integer")), is_optional=True)
-_NO_NEGATION = "a ConSert has no negation: describe the negated property as evidence"
-_FUNCTION = word_of(
-    "gate function", ("And", "Or"), dict.fromkeys(("not", "xor", "nand", "nor"), _NO_NEGATION)
-)
+_FUNCTION = word_of("gate function", ("And", "Or"))
 _SERVICE_TYPE = Field("functional_service_type", text_of)
 _IDS = list_of(text_of, "a member of {what}", may_be_empty=True)
 _ELEMENTS = {

@@ -9,7 +9,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from itertools import islice
 
 import numpy as np
 
@@ -18,15 +18,10 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, plural, pro
 from eddi_scaffold.kinds.safeml.scope import ReferenceSample, Rows, SafeMLSettings
 
 MAX_BYTES = 512 * 1024 * 1024
-MAX_PROBLEMS = 20  # Rows of a wrong length that are listed of one file
+MAX_PROBLEMS = 20  # that are listed of one file
 _BLANKS = " \t\v\f"  # Characters allowed around a number, as in `float` for ASCII
 _LINE_END = re.compile(r"\r\n|\r|\n")  # not splitlines(), which sees ends that editors do not
-_NUMBER = re.compile(
-    r"[-+]?((\d+(\.\d*)?|\.\d+)(e[-+]?\d+)?|nan|inf|infinity)", re.ASCII | re.IGNORECASE
-)
 _FEWEST_COUNTED = 10  # Rows from which on equal steps are no chance
-_TIME = re.compile(r"\d\d?:\d\d|\d{4}-\d\d-\d\d")
-_SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
 Lines = Sequence[tuple[int, str]]
 """Number (from 1) and text of each line that is neither empty nor a comment (``#``)."""
 
@@ -62,7 +57,7 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
         replace(fault, place=replace(fault.place, file=source.name), excerpt="")
         if fault.place.line
         else replace(fault, place=Place(source.name))
-        for fault in faults
+        for fault in islice(faults, MAX_PROBLEMS)
     ]
     return (None if problems else ReferenceSample(source, values)), problems
 
@@ -96,59 +91,21 @@ def _faults_of_values(values: Rows, lines: Lines) -> Iterator[Problem]:
         yield problem("L004.one_row", Place("", first))
 
 
-def _is_number(cell: str) -> bool:
-    return _NUMBER.fullmatch(cell.strip(_BLANKS)) is not None
-
-
 def _faults_of_cells(lines: Lines) -> Iterator[Problem]:
-    """Yield rows of another length, and once for each column what is no number in it."""
+    """Yield rows of another length than most, and in each column the first that is no number."""
     if not lines:
         yield problem("L004.empty")
         return
-    number, line = lines[min(1, len(lines) - 1)]  # the first may be a header
-    for separator, name in _SEPARATORS.items():
-        cells = [cell.replace(",", ".") for cell in line.split(separator) if cell.strip()]
-        is_separated = len(cells) > 1 and all(map(_is_number, cells))
-        if is_separated and (separator == ";" or "," not in line):
-            yield problem("L004.separator", Place("", number, 1), separator=name)
-            return
-    second = line.split(",") if len(lines) > 1 else []
     widths = Counter(line.count(",") + 1 for _, line in lines)
-    width = widths.most_common(1)[0][0]
-    usual = next(number for number, line in lines if line.count(",") + 1 == width)
-    reported = 0
-    has_header = False
-    wrong: dict[int, list[tuple[int, str]]] = {}
-    for index, (number, line) in enumerate(lines):
+    width, wrong = widths.most_common(1)[0][0], set[int]()
+    for row, line in lines:
         cells = line.split(",")
         if len(cells) != width:
-            column, count = min(len(cells), width) + 1, plural(len(cells), "cell")
-            fields: dict[str, Any] = {"row": number, "cells": count, "other": usual, "width": width}
-            yield problem("L004.cells", Place("", number, column), **fields)
-            reported += 1
-        elif _numbers(cells) is None:
-            texts = {k: cell.strip() for k, cell in enumerate(cells, 1) if not _is_number(cell)}
-            # Where the second row has no number, either, the first is no header.
-            is_text = len(texts) == len(cells) and any(texts.values())
-            if index == 0 and is_text and (not second or any(map(_is_number, second))):
-                has_header, text = True, next(filter(None, texts.values()))
-                yield problem("L004.header", Place("", number, 1), row=number, text=text[:40])
-                reported += 1
-            else:
-                for column, text in texts.items():
-                    wrong.setdefault(column, []).append((number, text))
-        if reported >= MAX_PROBLEMS:
-            yield problem("L004.rest", Place("", number, 1))
-            break
-    for column, entries in wrong.items():
-        (number, text), total = entries[0], len(entries)
-        place = Place("", number, column)
-        if total == len(lines) - has_header:
-            what = "times" if _TIME.search(text) else "texts"
-            fields = {"column": column, "content": what, "text": text[:40]}
-            yield problem("L004.column", place, **fields)
+            place, count = Place("", row, min(len(cells), width) + 1), plural(len(cells), "cell")
+            yield problem("L004.cells", place, row=row, cells=count, width=width)
             continue
-        reason = f"is not a number: {text[:40]!r}" if text else "is empty"
-        more = f", and {total - 1} more of this column" if total > 1 else ""
-        fields = {"row": number, "column": column, "reason": reason, "more": more}
-        yield problem("L004.cell", place, **fields)
+        for column, cell in enumerate(cells, 1):
+            if column not in wrong and _numbers([cell]) is None:
+                wrong.add(column)
+                fields = {"row": row, "column": column, "text": cell.strip()[:40]}
+                yield problem("L004.cell", Place("", row, column), **fields)

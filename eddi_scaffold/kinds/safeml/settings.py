@@ -78,8 +78,6 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
 def _hint(key: str, text: str | None) -> str | None:
     if key == "distance_metric":
         return did_you_mean(text or "", METRICS) or f"there are: {', '.join(METRICS)}"
-    if key == "array_backend" and (text or "").lower() in ("tensorflow", "tf"):
-        return "write `torch` for the same GPU, or `numpy`: the distances are the same"
     return None
 
 

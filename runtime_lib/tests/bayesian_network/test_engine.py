@@ -1,7 +1,5 @@
 """Exact inference against the addition of all cases, in exact arithmetic."""
 
-import itertools
-import math
 import os
 import random
 import subprocess
@@ -11,7 +9,6 @@ from pathlib import Path
 
 import eddi_runtime
 import pytest
-from eddi_runtime.bayesian_network import patterns
 from eddi_runtime.bayesian_network.tables import JointTables
 from hypothesis import given
 from hypothesis import strategies as st
@@ -74,64 +71,6 @@ def test_steps_in_which_every_input_is_observed(tables, seed):
         want, rows = exactly(net, outputs, observable, states, {}), made.infer(states)
         assert (rows is None) == (want is None)
         assert rows is None or furthest(rows, want) < 1e-12
-
-
-@pytest.mark.slow
-@given(seed=st.integers(0, 10**9))
-def test_wide_parts_are_inferred_by_patterns_of_what_is_observed(seed):
-    """The first step of a pattern goes the usual way, the second one makes its arrays."""
-    rng = random.Random(seed)
-    count = rng.randint(4, 7)
-    net = random_network(rng, count, most_states=3, zeros=rng.choice([0.0, 0.3]))
-    outputs = sorted(rng.sample(range(count), rng.randint(1, 2)))
-    observable = sorted(rng.sample(range(count), rng.randint(2, count)))
-    cases = [random_evidence(rng, net, observable) for _ in range(3)]
-    wanted = [exactly(net, outputs, observable, *case) for case in cases]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(inference_plan, "WIDE", 0)
-        patch.setattr(patterns, "_GEMV", rng.choice([1, 9_000]))
-        made = engine(net, outputs, observable, tables=False)
-        for case, want in zip(cases * 3, wanted * 3):
-            rows = made.infer(*case)
-            assert (rows is None) == (want is None)
-            assert rows is None or furthest(rows, want) < 1e-12
-
-
-def test_a_product_of_which_all_that_it_keeps_is_observed_may_lie_the_other_way_round(monkeypatch):
-    """Numpy's dot writes no array that is turned: each second step of such a pattern failed."""
-    monkeypatch.setattr(inference_plan, "WIDE", 0)
-    rng = random.Random(322)
-    cards = (2, 2, 3, 3, 2, 3, 2, 2, 2)
-    parents = ((), (0,), (1, 0), (0, 1), (), (2, 0, 4), (0, 1, 4, 2), (), (4, 5))
-    tables = []
-    for card, above in zip(cards, parents):
-        numbers = []
-        for _ in range(math.prod(cards[one] for one in above)):
-            row = [rng.randint(1, 9) for _ in range(card)]
-            numbers += [one / sum(row) for one in row]
-        tables.append(numbers)
-    net, outputs, observable = network(cards, parents, tables), [1, 2, 8], [0, 2, 3, 4, 6]
-    made = engine(net, outputs, observable, tables=False)
-    for _ in range(2):
-        rows = made.infer([1, 2, 3, 1, 2])
-        assert furthest(rows, exactly(net, outputs, observable, [1, 2, 3, 1, 2], {})) < 1e-12
-
-
-def test_arrays_are_made_for_patterns_that_come_again_and_are_not_too_many(monkeypatch):
-    monkeypatch.setattr(inference_plan, "WIDE", 0)
-    monkeypatch.setattr(inference_plan, "with_all_observed", lambda *_: ())
-    monkeypatch.setattr(patterns, "_REMEMBERED", 3)
-    rng = random.Random(5)
-    net = random_network(rng, 7, zeros=0.0, most_states=3)
-    made = engine(net, [6], [1, 3, 5], tables=False)
-    (running,) = (one.running for one in made._parts if hasattr(one.running, "_steps"))
-    every = list(itertools.product(*[range(net.shape.cards[one] + 1) for one in (1, 3, 5)]))
-    for states in every:
-        assert furthest(made.infer(states), exactly(net, [6], [1, 3, 5], states, {})) < 1e-12
-        assert len(running._steps) <= 3
-    for states in every[:2] * 2:
-        made.infer(states)
-    assert running._steps
 
 
 def test_an_observed_node_may_have_very_many_states():

@@ -9,9 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds.bayesian_network import inference_plan
 from eddi_scaffold.kinds.bayesian_network.inference_plan import LARGE, TOO_LARGE, width_of
-from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
     NODES,
@@ -66,15 +64,6 @@ MODELS = [model(bins=BINS), several(), large(), large(5, 9), model(outputs=[]), 
 @pytest.mark.parametrize("made", MODELS)
 def test_formatter_and_linter_agree(made):
     assert_plain_data(made.text())
-
-
-def test_only_a_wide_network_has_patterns(monkeypatch):
-    assert "bayesian_network/patterns" not in runtime_parts_of(large(4).text())
-    monkeypatch.setattr(inference_plan, "WIDE", 0)
-    monkeypatch.setattr(inference_plan, "fits", lambda *_: False)
-    text = large(4).text()
-    assert "bayesian_network/patterns" in runtime_parts_of(text)
-    assert_plain_data(text)
 
 
 def test_nothing_of_a_hostile_model_becomes_code():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
-from .engine import Posteriors, Rows, States, Weights
+from .engine import Posteriors, States, Weights
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,16 +31,12 @@ class Message(NamedTuple):
     known: bool  # its numbers are made when the monitor starts, for every case of its inputs
 
 
-class Numbers:
-    """What is known of messages before the first step, and how a product of them is made."""
+class Running:
+    """The operations of a ``Schedule`` with their arrays, in which results stay in place."""
 
-    def __init__(
-        self,
-        nodes: Mapping[int, tuple[tuple[int, ...], Rows]],
-        messages: Sequence[tuple[Any, ...]],
-    ) -> None:
-        self._nodes = nodes
-        self.messages = [Message(*row) for row in messages]  # by number
+    def __init__(self, made: Any, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
+        self._nodes, self._positions, self._wanted = made.nodes, positions, wanted
+        self.messages = [Message(*row) for row in made.messages]  # by number
         # number of a message -> its numbers for every case of its inputs
         self.known: dict[int, Array] = {}
         # node -> its evidence vector for each state; behind them that for "not observed"
@@ -50,6 +46,15 @@ class Numbers:
                 self.known[number] = self._numbers(message)
             if message.kind in _EVIDENCE:
                 self.rows[message.nodes[0]] = self.known[number].tolist()
+        self._answers = [made.answers[k] for k in wanted] or made.answers
+        sizes = [len(rows[0]) for rows in self.rows.values()]
+        self._flat = np.zeros(sum(sizes))
+        self._vectors = dict(zip(self.rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
+        self._full = self._step(made.full or made.hard)
+        # state of each observable node by position -> unnormalised rows
+        self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
+        if made.hard is not None:
+            self.hard = self._step(made.hard) if made.full else self._full
 
     def vector(self, node: int, position: int, states: States, weights: Weights) -> list[float]:
         rows = self.rows[node]
@@ -90,23 +95,6 @@ class Numbers:
 
         left, other = (of[part] for part in message.parts)
         return np.einsum(left, numbers(first), other, numbers(second), numbers(message))
-
-
-class Running(Numbers):
-    """The operations of a ``Schedule`` with their arrays, in which results stay in place."""
-
-    def __init__(self, made: Any, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
-        super().__init__(made.nodes, made.messages)
-        self._positions, self._wanted = positions, wanted
-        self._answers = [made.answers[k] for k in wanted] or made.answers
-        sizes = [len(rows[0]) for rows in self.rows.values()]
-        self._flat = np.zeros(sum(sizes))
-        self._vectors = dict(zip(self.rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
-        self._full = self._step(made.full or made.hard)
-        # state of each observable node by position -> unnormalised rows
-        self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
-        if made.hard is not None:
-            self.hard = self._step(made.hard) if made.full else self._full
 
     def soft(self, states: States, weights: Weights) -> Posteriors:
         values: list[float] = []
