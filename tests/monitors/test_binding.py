@@ -5,7 +5,7 @@ import pytest
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import ModelInput
-from eddi_scaffold.monitors.answers import files_of, shared_answers
+from eddi_scaffold.monitors.answers import VECTORS, files_of, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.config_reading import read_config
@@ -161,5 +161,5 @@ def test_a_text_with_marks_of_regions_does_not_travel(
     (model,) = read_models(Source("s.events", events.encode())).models
     monitor, problems = monitor_of(model, None)
     assert monitor is not None, problems
-    assert files_of(monitor).keys() == {*files, "compiled.py"}
+    assert files_of(monitor).keys() == {*files, "compiled.py", VECTORS}
     assert files_of(monitor).items() >= files.items()

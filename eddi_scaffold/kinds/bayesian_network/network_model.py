@@ -26,7 +26,6 @@ from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Thresho
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
 from eddi_scaffold.kinds.bayesian_network.vectors import network_vectors
-from eddi_scaffold.kinds.bayesian_network.verify import verify
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -235,6 +234,10 @@ class NetworkModel(kinds.Model):
         return network_vectors(self.data, self.settings, inputs, about)
 
     def verify(self, emitted: Emitted) -> Iterator[str]:
+        from eddi_scaffold.kinds.bayesian_network.verify import (  # noqa: PLC0415 - needs numpy
+            verify,
+        )
+
         return verify(self.data, self.settings, emitted)
 
     def cross_check(self, running: Callable[[], Any]) -> kinds.CrossCheck:

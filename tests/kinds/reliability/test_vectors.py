@@ -23,7 +23,7 @@ from tests.evidence.mutants import Mutated, input_class
 from tests.kinds.reliability.monitors import sound
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-MODELS = yaml.safe_load(Path(__file__).with_suffix(".yml").read_text("utf-8"))
+MODELS = yaml.safe_load(Path(__file__).with_name("models_with_vectors.yml").read_text("utf-8"))
 MODELS["airframe"] = (EXAMPLES / "drone" / "airframe.yml").read_text("utf-8")
 WAREHOUSE = None, [EXAMPLES / "warehouse-robot" / "robot.yml"]
 DRONE = EXAMPLES / "drone" / "drone.xml", [EXAMPLES / "drone" / "reliability_config.yml"]
