@@ -23,6 +23,7 @@ from eddi_scaffold.evidence.vectors import (
     changed,
     fitting_file,
     held,
+    merged,
 )
 from eddi_scaffold.kinds.bayesian_network.network import Network, node_attributes
 
@@ -344,15 +345,15 @@ class _Vectors:
     def cases(self, sources: Sequence[Sequence[Values]]) -> list[Values]:
         """Return all evidence, or some where it is too much."""
         if math.prod(map(len, sources)) <= _MOST_CASES:
-            return [*map(_merged, itertools.product(*sources))]
+            return [*map(merged, itertools.product(*sources))]
         draw = random.Random(1)  # noqa: S311 - the same every time
-        none = _merged(of[-1] for of in sources)
+        none = merged(of[-1] for of in sources)
         some = [of[int(draw.random() * len(of))] for _ in range(_DRAWN) for of in sources]
         drawn = (some[k : k + len(sources)] for k in range(0, len(some), len(sources)))
         one = [value for of in sources for value in of]
         pairs = itertools.combinations(one, 2)
         rows = itertools.chain([[of[0] for of in sources]], drawn, zip(one), pairs)
-        return [_merged([none, *row]) for row in itertools.islice(rows, _MOST_CASES)]
+        return [merged([none, *row]) for row in itertools.islice(rows, _MOST_CASES)]
 
     def changes(self, first: Values, cases: Sequence[Values]) -> Iterator[tuple[str, Changes]]:
         """Yield the name of each run and what changes in it, first those that tell most."""
@@ -401,7 +402,7 @@ class _Vectors:
             rows += [drawn(0.0) for _ in range(_STEPS // 2 * asked)]
         for row in rows if nodes else ():
             pairs = zip(nodes, row, strict=True)
-            yield _merged(self._gives(k, weights, asked=asked) for k, weights in pairs)
+            yield merged(self._gives(k, weights, asked=asked) for k, weights in pairs)
 
     def _gives(self, node: int, weights: Weights, *, asked: bool = False) -> Values:
         """Return what the method of a node gives."""
@@ -426,10 +427,6 @@ class _Vectors:
         yield from (values[:1], values[2:0:-1] if of.limit != of.release else [], values[3:])
 
 
-def _merged(values: Iterable[Values]) -> Values:
-    return {key: value for each in values for key, value in each.items()}
-
-
 def _each_second(values: Iterable[Values]) -> Changes:
     return [(k * 10**9, of) for k, of in enumerate(values)]
 
@@ -448,7 +445,7 @@ def network_vectors(
     except TooMuchError:
         return ""
     sources = [*vectors.sources()]
-    first, cases = _merged(of[0] for of in sources), vectors.cases(sources)
+    first, cases = merged(of[0] for of in sources), vectors.cases(sources)
     runs = (
         vectors.run(name, all_[k : k + _STEPS])
         for name, all_ in vectors.changes(first, cases)

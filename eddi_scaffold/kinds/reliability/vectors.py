@@ -26,6 +26,7 @@ from eddi_scaffold.evidence.vectors import (
     age_rows,
     changed,
     fitting_file,
+    merged,
     text,
 )
 from eddi_scaffold.kinds.reliability.system import (
@@ -526,10 +527,6 @@ class _Input(NamedTuple):
         return value if self.factor is None else value * 0.999 * self.factor[1] / self.factor[0]
 
 
-def _merged(values: Iterable[Values]) -> Values:
-    return {key: value for each in values for key, value in each.items()}
-
-
 def _above(number: float) -> float:
     return math.nextafter(number, math.inf)
 
@@ -649,8 +646,8 @@ class _Vectors:
         is_all = math.prod(map(len, sources)) <= _PATTERNS
         if not is_all:
             rows = ([one] for of in sources for one in of)
-        merged = (_merged([self.base, *row]) for row in itertools.islice(rows, _PATTERNS))
-        return [*merged], is_all
+        few = itertools.islice(rows, _PATTERNS)
+        return [merged([self.base, *row]) for row in few], is_all
 
     def changes(self, patterns: Sequence[Values]) -> Iterator[tuple[str, Changes]]:
         """Yield the name of each run and what changes in it."""
