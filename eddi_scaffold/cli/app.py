@@ -105,14 +105,7 @@ _GROUPS: dict[str, list[Callable[..., None]]] = {
         watch.watch,
         learning.explain,
     ],
-    "Models": [
-        models.diagram,
-        models.compose,
-        models.export,
-        event.event,
-        packages.trace,
-        report.report,
-    ],
+    "Models": [models.diagram, models.compose, models.export, event.event, packages.trace],
     "Evidence": [packages.verify, inject.inject, report.report],
     "Old packages, git and Copier": [packages.adopt, generate.answers],
 }

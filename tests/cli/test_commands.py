@@ -283,7 +283,7 @@ class Interrupting:
 
 
 def test_what_the_system_refuses_is_no_bug(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object) -> None:
+    def refuse(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied", "somewhere")
 
     monkeypatch.setattr("eddi_scaffold.deployments.checking.check_files", refuse)
@@ -295,7 +295,7 @@ def test_what_the_system_refuses_is_no_bug(folder: Path, monkeypatch: pytest.Mon
 def test_a_bug_is_one_line_unless_more_is_asked(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(*_: object) -> None:
+    def fail(*_: object, **__: object) -> None:
         raise ZeroDivisionError("so that")
 
     monkeypatch.setattr("eddi_scaffold.deployments.checking.check_files", fail)
