@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from typing import NamedTuple
 
-from eddi_scaffold.common.graphs import reached, reversed_graph
+from eddi_scaffold.common.graphs import reversed_graph
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place
 
@@ -58,10 +58,6 @@ class Network:
     def children(self) -> dict[str, tuple[str, ...]]:
         """Return node -> nodes that it is a parent of."""
         return reversed_graph({node.id: node.parents for node in self.nodes})
-
-    def ancestors(self, names: Iterable[str]) -> set[str]:
-        """Return the nodes with everything above them."""
-        return reached({node.id: node.parents for node in self.nodes}, names)
 
     def in_order(self) -> list[Node]:
         """Return the nodes, parents first; the order of the file wherever it allows that."""

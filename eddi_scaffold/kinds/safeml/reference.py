@@ -107,5 +107,5 @@ def _faults_of_cells(lines: Lines) -> Iterator[Problem]:
         for column, cell in enumerate(cells, 1):
             if column not in wrong and _numbers([cell]) is None:
                 wrong.add(column)
-                fields = {"row": row, "column": column, "text": cell.strip()[:40]}
-                yield problem("L004.cell", Place("", row, column), **fields)
+                place, text = Place("", row, column), cell.strip()[:40]
+                yield problem("L004.cell", place, row=row, column=column, text=text)
