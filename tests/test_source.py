@@ -1,36 +1,12 @@
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.common import files as source_module
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.eddi_xml.document import read_document, recognises
 from eddi_scaffold.monitors.loading import read_models
-
-
-def test_a_large_file_reads_like_a_small_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "m.xml"
-    path.write_bytes(b"<r><a/></r>")
-    small = read_source(path)
-    monkeypatch.setattr(source_module, "KEPT_BYTES", 3)
-    large = read_source(path)
-    assert large.content is None
-    assert (large.name, large.data, large.sha256) == (small.name, small.data, small.sha256)
-    assert small.sha256 == hashlib.sha256(b"<r><a/></r>").hexdigest()
-    assert (large.stem, large.file_name) == ("m", "m.xml")
-    assert recognises(large)
-    document, problems = read_document(large)
-    assert document is not None
-    assert problems == []
-    path.unlink()
-    with pytest.raises(EddiError, match="cannot read the file: No such file"):
-        _ = large.data
 
 
 @pytest.mark.parametrize("name", ["missing", "."])

@@ -15,7 +15,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
@@ -108,7 +108,6 @@ def other_format(head: bytes) -> tuple[str, str] | None:
     return next(((name, hint) for form, name, hint in _FORMATS if re.search(form, text)), None)
 
 
-KEPT_BYTES = 4 * 1024 * 1024  # larger files are not kept in memory next to what is made of them
 _MOST_NEIGHBOURS = 1_000
 _inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("_inputs", default=None)
 """Device and number of the files that the command has read; ``None`` where nobody asks."""
@@ -119,46 +118,18 @@ class Source:
     """One input file."""
 
     name: str  # path as the user gave it, for messages
-    content: bytes | None  # `None` of a large one: it is read again each time that it is needed
+    data: bytes
     # what describes a model in it: the rest may change, and the part move, without a word
     part: bytes | None = None
-    limit: int = field(default=MAX_BYTES, compare=False)
-
-    @property
-    def data(self) -> bytes:
-        """The bytes of the file, of a large one as it is now."""
-        if self.content is not None:
-            return self.content
-        try:
-            return read_regular(self.name, self.limit)
-        except OSError as failure:
-            raise EddiError(_unreadable(self.name, failure)) from None
 
     @cached_property
     def sha256(self) -> str:
         """Hex digest of the part, else of the bytes, for traceability."""
-        if self.part is not None:
-            return hashlib.sha256(self.part).hexdigest()
-        digest = hashlib.sha256()
-        with self.open() as stream:
-            while block := stream.read(1 << 20):
-                digest.update(block)
-        return digest.hexdigest()
+        return hashlib.sha256(self.data if self.part is None else self.part).hexdigest()
 
     def open(self) -> BinaryIO:
-        """Return the bytes as a seekable stream, which the caller closes.
-
-        Raises:
-            EddiError: a large file has gone since (F001).
-        """
-        if self.content is not None:
-            return io.BytesIO(self.content)
-        try:
-            stream = open_regular(self.name)
-        except OSError as failure:
-            raise EddiError(_unreadable(self.name, failure)) from None
-        note_input(stream.fileno())
-        return stream
+        """Return the bytes as a seekable stream."""
+        return io.BytesIO(self.data)
 
     def text(self, code: str) -> str:
         """Return the content as text, without a byte order mark; ``code`` is that of the problem.
@@ -201,13 +172,16 @@ def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
         EddiError: the file is missing, unreadable, no regular file (a folder, pipe or device), or
             larger than ``limit`` bytes (F001); it is of another format (F003).
     """
-    large = Source(str(path), None, limit=limit)
-    with large.open() as stream:
-        size = os.fstat(stream.fileno()).st_size
-        other = other_format(stream.read(HEAD_BYTES))
+    try:
+        with open_regular(path) as stream:
+            note_input(stream.fileno())
+        data = read_regular(path, limit)
+    except OSError as failure:
+        raise EddiError(_unreadable(str(path), failure)) from None
+    other = other_format(data[:HEAD_BYTES])
     if other is not None:
-        raise EddiError(problem("F003.other", Place(large.name), hint=other[1], other=other[0]))
-    return large if KEPT_BYTES < size <= limit else replace(large, content=large.data)
+        raise EddiError(problem("F003.other", Place(str(path)), hint=other[1], other=other[0]))
+    return Source(str(path), data)
 
 
 @contextmanager

@@ -6,7 +6,8 @@ A chain of 50,000 nodes is as good as one of two, and shared nodes are visited o
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Container, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
 from typing import TypeVar
 
 T = TypeVar("T", bound=Hashable)
@@ -53,60 +54,25 @@ def in_order(inputs: Mapping[str, Sequence[str]]) -> list[str]:
     return ordered
 
 
+_MOST_CYCLES = 20
+
+
 def cycles(inputs: Mapping[str, Sequence[str]]) -> list[list[str]]:
-    """Return one shortest cycle for each knot of nodes that feed each other.
+    """Return cycles that share no node, :data:`_MOST_CYCLES` at most.
 
     Returns:
         Cycles as ids in the direction of support, the first id of the file first, not repeated
         at the end; empty when there is none.
     """
     place = {id_: index for index, id_ in enumerate(inputs)}
-    targets = reversed_graph(inputs)
-    starts = [(min(knot, key=place.__getitem__), knot) for knot in _knots(inputs, targets)]
-    shortest = [_shortest_cycle(targets, start, knot) for start, knot in starts]
-    return sorted(filter(None, shortest), key=lambda cycle: place[cycle[0]])
-
-
-def _knots(graph: Mapping[str, Sequence[str]], targets: Graph) -> list[set[str]]:
-    """Return the strongly connected components (Kosaraju, with a stack of its own)."""
-    finished: list[str] = []
-    seen: set[str] = set()
-    for root in graph:
-        calls = [(root, False)]
-        while calls:
-            id_, is_done = calls.pop()
-            if is_done:
-                finished.append(id_)
-            elif id_ not in seen:
-                seen.add(id_)
-                calls += [(id_, True), *((following, False) for following in graph[id_])]
-    knots: list[set[str]] = []
-    for root in reversed(finished):  # what leads to it, and is in no knot yet
-        knot, waiting = set[str](), [root]
-        while waiting:
-            id_ = waiting.pop()
-            if id_ in seen:
-                seen.remove(id_)
-                knot.add(id_)
-                waiting += targets[id_]
-        knots += [knot] if knot else []
-    return knots
-
-
-def _shortest_cycle(
-    targets: Mapping[str, Sequence[str]], start: str, knot: Container[str]
-) -> list[str]:
-    came_from: dict[str, str] = {}
-    waiting = deque([start])
-    while waiting:
-        id_ = waiting.popleft()
-        for target in targets[id_]:
-            if target == start:
-                path = [id_]
-                while path[-1] != start:
-                    path.append(came_from[path[-1]])
-                return path[::-1]
-            if target in knot and target not in came_from:
-                came_from[target] = id_
-                waiting.append(target)
-    return []
+    remaining, circles = dict(inputs), list[list[str]]()
+    while len(circles) < _MOST_CYCLES:
+        try:
+            TopologicalSorter(remaining).prepare()
+            break
+        except CycleError as failure:
+            cycle = failure.args[1][1:]
+        start = cycle.index(min(cycle, key=place.__getitem__))
+        circles.append(cycle[start:] + cycle[:start])
+        remaining = {id_: sources for id_, sources in remaining.items() if id_ not in cycle}
+    return sorted(circles, key=lambda cycle: place[cycle[0]])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -185,15 +185,8 @@ def rate(quantity: object, unit: str | None = None) -> Quantity:
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
     """
-    number, written = _split(quantity, form="write a rate such as `1e-5 1/h` or `100 FIT`")
-    written = written or unit
-    if written is None:
-        return Quantity(number, has_unit=False)
-    per_hour = rate_factor(written)
-    if per_hour is None:
-        raise UnitError(f"{written!r} is not a unit of a rate", _list(RATE_UNITS))
-    up, down = per_hour
-    return Quantity(_finite(number * up / down, quantity), has_unit=True)
+    form = "write a rate such as `1e-5 1/h` or `100 FIT`"
+    return _quantity(quantity, unit, form, rate_factor, ("unit of a rate", RATE_UNITS))
 
 
 def duration(quantity: object, unit: str | None = None) -> Quantity:
@@ -202,14 +195,26 @@ def duration(quantity: object, unit: str | None = None) -> Quantity:
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
     """
-    number, written = _split(quantity, form="write a duration such as `2 h` or `30 min`")
+    form = "write a duration such as `2 h` or `30 min`"
+    return _quantity(quantity, unit, form, hours_factor, ("unit of time", DURATION_UNITS))
+
+
+def _quantity(
+    quantity: object,
+    unit: str | None,
+    form: str,
+    factor_of: Callable[[str], Fraction | None],
+    expected: tuple[str, Sequence[str]],
+) -> Quantity:
+    number, written = _split(quantity, form=form)
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
-    hours = factor(_time_unit(written), "h")
-    if hours is None:
-        raise UnitError(f"{written!r} is not a unit of time", _list(DURATION_UNITS))
-    value = number * hours.numerator / hours.denominator
+    exact = factor_of(written)
+    if exact is None:
+        kind, known = expected
+        raise UnitError(f"{written!r} is not a {kind}", f"units: {', '.join(known)}")
+    value = number * exact.numerator / exact.denominator
     return Quantity(_finite(value, quantity), has_unit=True)
 
 
@@ -254,20 +259,18 @@ def number(quantity: object, low: float, high: float) -> float:
     return value
 
 
-def rate_factor(unit: str) -> tuple[int, int] | None:
-    """Return the factor to 1/h as numerator and denominator, None for no unit of a rate."""
+def rate_factor(unit: str) -> Fraction | None:
+    """Return the factor to 1/h, None for no unit of a rate."""
     if unit.casefold() == "fit":
-        return 1, 1_000_000_000
+        return Fraction(1, 1_000_000_000)
     match = re.fullmatch(r"(?:1\s*/|/|per\s+)\s*(\w+)|(\w+)\^-1", unit.strip())
-    if match is None:
-        return None
-    hours = factor(_time_unit(match[1] or match[2]), "h")
-    return None if hours is None else (hours.denominator, hours.numerator)
+    hours = None if match is None else hours_factor(match[1] or match[2])
+    return None if hours is None else 1 / hours
 
 
-def is_time_unit(unit: str) -> bool:
-    """Return whether a text is a unit of time (``h``, ``Hour``)."""
-    return factor(_time_unit(unit), "h") is not None
+def hours_factor(unit: str) -> Fraction | None:
+    """Return the factor to hours, None for no unit of time (``h``, ``Hour``)."""
+    return factor(_time_unit(unit), "h")
 
 
 def _time_unit(text: str) -> str:
@@ -306,7 +309,3 @@ def _finite(value: float, quantity: object, form: str | None = None) -> float:
 def _shown(quantity: object) -> str:
     text = repr(quantity)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _list(units: tuple[str, ...]) -> str:
-    return f"units: {', '.join(units)}"

@@ -45,7 +45,7 @@ KNOWN_CLASSES = frozenset(
     fold(name) for group in ("models", "packages", "others") for name in CLASSES[group]
 )
 _READ_NAMES = {fold(name): name for name in (*CLASSES["packages"], *CLASSES["models"])}
-_MODELS = ", ".join(CLASSES["models"])
+_MODELS = f"known are: {', '.join(CLASSES['models'])}"
 _COMPLETELY_KNOWN = ("failurelogic", "bayesiannetwork")  # packages: every class should be known
 _SIMILAR = 0.8
 MONITORED = frozenset(
@@ -330,26 +330,17 @@ def read_document(
 
 
 def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
-    """Yield a warning (X006) for each element of a package whose class looks misspelt."""
+    """Yield a warning (X006) for each unread element of a package whose class looks misspelt."""
     for package in document.packages():
-        if document.is_monitored(package):
-            continue  # the root is a model, whose reader knows its parts
-        for element in package.iterchildren():
+        # the reader of a root that is a model knows its parts
+        for element in () if document.is_monitored(package) else package.iterchildren():
             class_name = document.class_of(element)
-            if element.get(XSI_TYPE) is None or class_name.name in KNOWN_CLASSES:
+            is_known = element.get(XSI_TYPE) is None or class_name.name in KNOWN_CLASSES
+            if is_known or document.holds_models(element):
                 continue
             similar = get_close_matches(class_name.name, _READ_NAMES, 1, _SIMILAR)
-            meant = _READ_NAMES[similar[0]] if similar else None
             is_package = class_name.name.endswith("package")
-            if meant is None and (class_name.package not in _COMPLETELY_KNOWN or is_package):
-                continue
-            name = element.get("name")
-            subject = feature_of(element) + (f' "{name}"' if name else "")
-            is_read = document.holds_models(element)
-            yield problem(
-                "X006.unknown_class" if is_read else "X006.unread_class",
-                document.place(element),
-                hint=f"did you mean {meant!r}?" if meant else f"known are: {_MODELS}",
-                subject=subject,
-                class_name=class_name.printed,
-            )
+            if similar or (class_name.package in _COMPLETELY_KNOWN and not is_package):
+                hint = f"did you mean {_READ_NAMES[similar[0]]!r}?" if similar else _MODELS
+                subject, place = document.describe(element), document.place(element)
+                yield problem("X006.unread_class", place, hint=hint, subject=subject)

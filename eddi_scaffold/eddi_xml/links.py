@@ -18,7 +18,6 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.extensions import Observed
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
-from eddi_scaffold.eddi_xml.references import References
 from eddi_scaffold.eddi_xml.vocabulary import fold, local_name
 
 _DESIGN = frozenset({"architecturepackage", "consertpackage", "ddipackage", "designpackage"})
@@ -97,7 +96,7 @@ def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
 class _LinkGraph:
     def __init__(self, document: EddiDocument, observed: Observed) -> None:
         self._document = document
-        self._references = References(document.roots)  # must not disturb a reader's remarks
+        self._references = document.references
         self._path = self._references.path
         self._models: list[Element] = []
         # Path -> path and element of each that refers to it; to which it refers.

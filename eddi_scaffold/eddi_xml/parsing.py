@@ -131,19 +131,10 @@ def new_element(tag: str, parent: Element | None, attributes: Mapping[str, str])
 
 
 def line_of(element: Element) -> int | None:
-    """Return the line of an element, counted from 1."""
+    """Return the line of an element, counted from 1; libxml2 knows none beyond 65534."""
     stated: Any = element.sourceline  # the stubs give it no type
     line: int | None = stated
-    if line is None or line < _LAST_LINE:
-        return line
-    # above, libxml2 answers with the line on which the next text ends
-    node: Element | None = element
-    while node is not None:
-        text = node.text or (None if len(node) else node.tail)
-        if text:
-            return line - str(text).count("\n")
-        node = node[0] if len(node) else node.getnext()
-    return line
+    return line if line is None or line < _LAST_LINE else None
 
 
 def select(element: Element, query: str) -> list[Any]:

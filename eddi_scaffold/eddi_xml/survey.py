@@ -19,7 +19,7 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import CLASSES, KNOWN_CLASSES, MONITORED, EddiDocument
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
-from eddi_scaffold.eddi_xml.references import References, parse_fragment
+from eddi_scaffold.eddi_xml.references import parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, fold, local_name
 
 _READ, _LEFT_OUT = frozenset(CLASSES["read"]), frozenset(CLASSES["left_out"])
@@ -35,7 +35,7 @@ def survey(document: EddiDocument) -> dict[str, Any]:
     ``models`` are in document order, those of our own maps last; ``packages`` the roots and the
     packages in them; ``elements`` and ``references`` are numbers, also of the unresolved ones.
     """
-    references = References(document.roots)  # its own: it must not disturb a reader's remarks
+    references = document.references
 
     def described(key: str, value: str, name: str, element: Element) -> dict[str, Any]:
         place = document.place(element)

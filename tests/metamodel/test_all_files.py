@@ -15,7 +15,7 @@ from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.data_files import data_text
 from tests.kinds.bayesian_network.networks import joined, running
-from tests.metamodel.expected import FOLDER, cases, changed, expected, models
+from tests.metamodel.expected import FOLDER, cases, expected, models
 from tests.metamodel.test_random import NOT_THESE
 
 WRONG = re.compile(r"\[(X010|X011)\]")
@@ -99,13 +99,6 @@ def test_content_outputs_and_posteriors(file: str, want: dict[str, Any]) -> None
         found = posteriors(running(monitor), row["given"])
         for node, states in row["of"].items():
             assert list(found[node]) == pytest.approx(list(states.values()), rel=1e-9, abs=1e-15)
-
-
-def test_what_states_mean_is_said_to_be_unused() -> None:
-    fog = ('<nodeStates name="fog"/>', '<nodeStates name="fog"><dimension/></nodeStates>')
-    reading = changed(FOLDER / "07_bayesian_network.xml", fog)
-    (said,) = (one for one in reading.problems if "dimension" in one.message)
-    assert (said.code, said.level) == ("X014", "info")
 
 
 def test_what_the_condition_reads_is_the_first_candidate(tmp_path: Path) -> None:

@@ -128,16 +128,15 @@ def foreseen(
     observable: Iterable[int],
     *,
     tables: bool = True,
-    trials: int = _TRIALS,
 ) -> Program:
     """Return the inference for nodes that are known beforehand, by number."""
     shape, parts, when_observed = network.shape, [], []
     asked_for, observed = _set(outputs), _set(observable)
-    for plan in _plans(shape, asked_for, observed, trials):
+    for plan in _plans(shape, asked_for, observed, _TRIALS):
         own = _parts(network, [plan], tables=tables)
         faster = own
         if own and own[0].tables is None:
-            split = [plan_of(shape, part, trials) for part in with_all_observed(shape, plan.part)]
+            split = [plan_of(shape, part, _TRIALS) for part in with_all_observed(shape, plan.part)]
             costs = [other.program.costs(shape.cards)[0] for other in split]
             is_cheaper = sum(costs) < plan.program.costs(shape.cards)[0]
             faster = _parts(network, split, tables=tables) if is_cheaper and split else own

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from typing import NamedTuple
 
-from eddi_scaffold.common.graphs import reached, reversed_graph
+from eddi_scaffold.common.graphs import reversed_graph
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place
 
@@ -60,16 +60,13 @@ class Network:
         """Return node -> nodes that it is a parent of."""
         return reversed_graph({node.id: node.parents for node in self.nodes})
 
-    def ancestors(self, names: Iterable[str]) -> set[str]:
-        """Return the nodes with everything above them."""
-        return reached({node.id: node.parents for node in self.nodes}, names)
-
     def attained(self, name: str, states: Collection[str], given: Sequence[str]) -> list[float]:
         """Return the probabilities of some states of a node, for all states of others.
 
         They are the sums over the joint probabilities of all nodes that matter.
         """
-        nodes = [self.node(id_) for id_ in sorted(self.ancestors([name, *given]))]
+        parents = {node.id: node.parents for node in self.nodes}
+        nodes = [self.node(id_) for id_ in sorted(reached(parents, [name, *given]))]
         sums: dict[tuple[str, ...], list[float]] = {}
         for case in itertools.product(*(node.states for node in nodes)):
             state, p = dict(zip((node.id for node in nodes), case, strict=True)), 1.0

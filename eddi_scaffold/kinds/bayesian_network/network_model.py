@@ -13,7 +13,7 @@ from eddi_scaffold import kinds
 from eddi_scaffold.common.claims import Acceptance, Claim, Element
 from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Problem, in_order, problem
+from eddi_scaffold.common.problems import Problem, in_order
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
@@ -26,7 +26,7 @@ from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Thresho
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
 from eddi_scaffold.kinds.bayesian_network.vectors import network_vectors
-from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
+from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
@@ -96,15 +96,6 @@ class NetworkModel(kinds.Model):
         settings = self.options or read_options(self.data, None)[0]
         assert settings is not None, "a checked network needs no configuration"
         return settings
-
-    def check(self) -> Sequence[Problem]:
-        """Return what the readers do not see: names that an export must change."""
-        changed = changed_ids(self.data)
-        if not changed:
-            return ()
-        shown = ", ".join(f"{old!r} -> {new}" for old, new in changed[:4])
-        more = ", ..." if len(changed) > 4 else ""
-        return (problem("B210", self.place, changed=len(changed), shown=shown, rest=more),)
 
     def counts(self) -> Mapping[str, int]:
         nodes = self.data.nodes

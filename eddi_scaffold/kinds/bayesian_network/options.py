@@ -11,7 +11,6 @@ from typing import Any
 from eddi_runtime.bayesian_network.claims import COMBINATIONS
 
 from eddi_scaffold.common.claims import Use
-from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.identifiers import attribute, free_name, is_ros_name
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.common.units import QuantityError, accepted, seconds
@@ -347,18 +346,6 @@ def _warnings(network: Network, settings: NetworkOptions, options: Options) -> I
             limit=TOO_LARGE if width.too_large else LARGE,
             nodes=", ".join(width.nodes[:8]) + (", ..." if len(width.nodes) > 8 else ""),
         )
-    # Among the ancestors of what is observed or asked for, every common child is, or leads to, an
-    # output or an observed node; so each path can be open, in one step or another.
-    relevant = network.ancestors([*settings.inferred, *observed])
-    neighbours: dict[str, list[str]] = {name: [] for name in relevant}
-    for node in network.nodes:
-        for parent in node.parents if node.id in relevant else ():
-            neighbours[node.id].append(parent)
-            neighbours[parent].append(node.id)
-    can_change = reached(neighbours, settings.inferred)
-    for name in observed if options.inputs else ():
-        if name not in can_change:
-            yield problem("B305.no_influence", options.place("discretisation", name), name=name)
     for entry in settings.thresholds:
         if entry.node in observed:
             place = entry.place

@@ -74,15 +74,6 @@ class _Reader:
                 events, _, _ = self.document.targets(evidence, vocabulary.EVENT)
                 for node in self._ends(evidence, vocabulary.NODE):
                     self.known[self.nodes[node].name] = next(map(self._name, events), None)
-        states = [state for node in self.nodes.values() for state in node.states]
-        for feature, parents in (
-            (vocabulary.INFERENCES, [self.network]),
-            (vocabulary.DIMENSION, states),
-        ):
-            unused = [child for parent in parents for child in children(parent, feature)]
-            if unused:
-                fields = {"feature": feature.name, "owner": self.document.describe(self.network)}
-                self.findings.count("X014.feature", unused[0], len(unused), **fields)
         return [self._draft(node, targets) for node in self.nodes.values()]
 
     def _name(self, element: Element) -> str | None:

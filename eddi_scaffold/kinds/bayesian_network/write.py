@@ -33,13 +33,6 @@ def to_xmlbif(network: Network) -> str:
     return "".join(f"{line}\n" for line in _xmlbif_lines(network))
 
 
-def changed_ids(network: Network) -> list[tuple[str, str]]:
-    """Return the names of nodes and states that XDSL cannot hold, with what they become."""
-    groups = [network.names(), *(node.states for node in network.nodes)]
-    pairs = [pair for names in groups for pair in xdsl_ids(names).items()]
-    return list(dict.fromkeys((old, new) for old, new in pairs if old != new))
-
-
 def _numbers(node: Node) -> str:
     """Return the numbers of a table so that reading them back gives the same bits."""
     return " ".join(str(int(p)) if p == int(p) else repr(p) for p in node.table)

@@ -16,7 +16,7 @@ from operator import and_, or_
 from typing import Any
 
 from eddi_scaffold.common import units
-from eddi_scaffold.common.graphs import cycles, reached, reversed_graph
+from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, did_you_mean, problem
 from eddi_scaffold.kinds.consert import consert as model
@@ -233,7 +233,6 @@ def static_checks(consert: model.ConSert) -> list[Problem]:
     return [
         *checks.constants(),
         *checks.redundant_leaves(),
-        *checks.redundant_gates(),
         *checks.equal_guarantees(),
         *checks.services(),
     ]
@@ -268,20 +267,6 @@ class _StaticChecks:
         for index, leaf in enumerate(self.consert.leaf_nodes):
             if leaf.id in compared and not used >> index & 1:
                 yield problem("S002.element", leaf.place, id=shown(leaf.id))
-
-    def redundant_gates(self) -> Iterator[Problem]:
-        inputs, work = self.consert.inputs, graph.Work()
-        ors = {gate.id for gate in self.consert.gates if gate.function == "Or"}
-        redundant = {
-            id_: graph.redundant_inputs(sources, self.sets, self.sets[id_], id_ in ors, work)
-            for id_, sources in inputs.items()
-        }
-        targets = reversed_graph(inputs)
-        for gate in self.consert.gates:
-            supported = [target for target in targets[gate.id] if target in self.supporting]
-            is_redundant = all(gate.id in redundant[target] for target in supported)
-            if supported and inputs[gate.id] and is_redundant:
-                yield problem("S002.gate", gate.place, gate=shown(gate.id))
 
     def equal_guarantees(self) -> Iterator[Problem]:
         first: dict[graph.Sets, model.Guarantee] = {}

@@ -7,8 +7,7 @@ negation, so these sets describe a node completely. They are found from the leav
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TypeVar
 
@@ -133,35 +132,3 @@ def leaves_in(consert: ConSert, mask: int) -> list[str]:
 def implies(first: Sets, second: Sets) -> bool:
     """Return whether the second holds whenever the first does."""
     return all(any(other & mask == other for other in second) for mask in first)
-
-
-def redundant_inputs(
-    sources: Sequence[str],
-    sets: Mapping[str, Sets | None],
-    own: Sets | None,
-    is_or: bool,
-    work: Work,
-) -> set[str]:
-    """Return the inputs of a node without any of which its own path sets stay the same."""
-    if len(sources) < 2 or own is None:
-        return set()
-    inputs = [sets[source] for source in sources]
-    if is_or:
-        count = Counter(mask for masks in inputs for mask in masks or ())
-        return {
-            source
-            for source, masks in zip(sources, inputs, strict=True)
-            if all(count[mask] > (mask in (masks or ())) for mask in own)
-        }
-    before = _running(inputs, work)
-    behind = _running(inputs[::-1], work)[::-1]
-    others = zip(sources, before, behind[1:], strict=False)
-    return {source for source, *rest in others if _combined(work, rest, is_or=False) == own}
-
-
-def _running(inputs: Sequence[Sets | None], work: Work) -> list[Sets | None]:
-    """Return the And of none, of the first, of the first two ... of some nodes."""
-    running: list[Sets | None] = [frozenset({0})]
-    for sets in inputs:
-        running.append(_combined(work, [running[-1], sets], is_or=False))
-    return running

@@ -17,7 +17,6 @@ from eddi_scaffold.kinds.consert.read_eddi_dimensions import DimensionReader
 MAX_NODES = 100_000
 MAX_EDGES = 1_000_000
 _FUNCTIONS: dict[str, model.GateFunction] = {"and": "And", "or": "Or"}
-_IDS = Spelling("Id"), Spelling("gid")
 _NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
 
 
@@ -38,7 +37,6 @@ def read_eddi(
         if is_untyped and document.children(package, names.CONSERTS):
             findings.report("X010.package_type", package)
     for element in consert_elements(document):
-        _check_names(element, findings)
         reader = _ConSertReader(element, findings)
         name = document.attribute(element, names.NAME) or source.stem
         consert = reader.read(name)
@@ -288,37 +286,3 @@ class _ConSertReader:
         owner = self.element.getparent()
         is_older = owner is not None and names.CONFIGURATIONS.accepts(feature_of(owner))
         return owner if is_older else None
-
-
-_OBJECTS = (
-    *_NODES, names.PROPAGATIONS, names.PROPERTY, names.SAFETY_PROPERTIES, names.DIMENSION,
-    names.COVERED, names.START, names.END, names.VALUE, names.RELATIONS, names.DIMENSION_TYPE,
-    names.PUBLIC_TYPE, names.REFINEMENT,
-)  # fmt: skip
-_KNOWN = (
-    *_OBJECTS, *_IDS, names.NAME, names.DESCRIPTION, names.KEY_VALUE_MAPS,
-    names.SERVICE_CONFIGURATION, names.PROPERTY_TYPES, names.PROVIDED_SERVICE, names.DEFAULT,
-    names.RANKING, names.REQUIREMENT, names.INTEGRITY_LEVEL, names.REQUIRED_SERVICE, names.EVENTS,
-    names.GATE_TYPE, names.SOURCE, names.TARGET, names.PROPERTY_TYPE, names.SUBSET, names.UNIT,
-    names.PUBLIC_UNIT, names.INCLUSIVE, names.NUMBER, names.NUMBER_TYPE, names.EPSILON,
-    names.RELATION_TYPE,
-)  # fmt: skip
-
-
-def _check_names(consert: Element, findings: EddiFindings) -> None:
-    """Report names below a ConSert that are unknown, once per name and file."""
-    waiting = [consert]
-    while waiting:
-        element = waiting.pop()
-        keys = [key for key in map(str, element.attrib) if not key.startswith("{")]
-        parts = [("attribute", key, element) for key in keys]
-        parts += [("child", feature_of(child), child) for child in element.iterchildren()]
-        for kind, name, part in parts:
-            if not any(spelling.accepts(name) for spelling in _KNOWN):
-                fields = {"subject": kind, "name": name, "owner": feature_of(element)}
-                findings.count("X006.unknown", part, **fields)
-        waiting += [
-            child
-            for child in element.iterchildren(reversed=True)
-            if any(spelling.accepts(feature_of(child)) for spelling in _OBJECTS)
-        ]

@@ -219,8 +219,6 @@ class DimensionReader:
         epsilon = self.document.attribute(value, names.EPSILON)
         if epsilon is not None and epsilon.strip() not in ("0", "0.0"):
             self.findings.count("X014.epsilon", value, epsilon=_shortened(epsilon))
-        if self.document.attribute(value, names.NUMBER_TYPE) is not None:
-            self.findings.count("X014.number_type", value)
         number = self.document.attribute(value, names.NUMBER)
         return self._number("0" if number is None else number, names.NUMBER, value), is_inside
 

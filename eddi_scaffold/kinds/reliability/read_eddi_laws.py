@@ -122,7 +122,7 @@ class Laws:
             unit = self.findings.key_value(node, "unit")
             if unit:
                 is_of_rate = units.rate_factor(unit) is not None
-                if is_of_rate == of_rate or not (is_of_rate or units.is_time_unit(unit)):
+                if is_of_rate == of_rate or not (is_of_rate or units.hours_factor(unit)):
                     return unit  # an unknown unit is reported
             time = self.findings.key_value(node, "timeUnit")
             if time:

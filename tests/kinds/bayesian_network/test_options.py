@@ -14,8 +14,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
 from eddi_scaffold.platforms.ros_packages import messages_of
-from tests.data_files import data_text
-from tests.kinds.bayesian_network.networks import joined, of_states, read, read_path, running
+from tests.kinds.bayesian_network.networks import joined, read_path, running
 from tests.kinds.bayesian_network.test_network import EXAMPLE
 
 KEYS = (
@@ -148,16 +147,6 @@ def test_any_evidence_gives_a_monitor_or_problems(
     machine.execute_step(SimpleNamespace(value=0.5), 0)
     (claim,) = machine.claims()
     assert claim.low <= claim.high
-
-
-@pytest.mark.parametrize(("inputs", "told"), [(["A"], ["A"]), (["A", "C"], [])])
-def test_a_common_child_connects_only_when_it_is_observed(
-    inputs: list[str], told: list[str]
-) -> None:
-    (model,) = read(data_text("networks/common_child.xdsl"), "n.xdsl").models
-    _, problems = joined(model, of_states(["B"], inputs))
-    found = [problem.message for problem in problems if problem.code == "B305"]
-    assert found == [f"the observed node {name!r} cannot influence any output" for name in told]
 
 
 LOW = '{id: RiskIsLow, node: Critical, state: "Yes", at_most: 0.3, hold: 1 s, topic: risk_is_low}'
