@@ -663,7 +663,17 @@ class _Vectors:
                 "value": enumerate(
                     [*(v for of_ in none for v in (usual, of_)), usual, *odd, usual]
                 ),
-                "missed": enumerate([usual, None, usual, usual, odd[0], None, usual, usual]),
+                "missed": enumerate(
+                    [
+                        usual,
+                        None,
+                        usual,
+                        usual,
+                        *(v for of_ in odd for v in (of_, None)),
+                        usual,
+                        usual,
+                    ]
+                ),
             }
             for name, row in rows.items():
                 yield f"{name}:{id_}", [(k * q, {**base, id_: value}) for k, value in row]
