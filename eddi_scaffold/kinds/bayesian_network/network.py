@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from typing import NamedTuple
 
-from eddi_scaffold.common.graphs import reversed_graph
+from eddi_scaffold.common.graphs import reached, reversed_graph
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place
 
