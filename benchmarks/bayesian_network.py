@@ -227,7 +227,7 @@ def evidence_of(task: Task) -> list[Evidence]:
 def compiled(task: Task) -> str:
     observed = tuple(f"n{node}" for node in task.observed)
     outputs = tuple(f"n{node}" for node in task.outputs)
-    direct, width = {name: name for name in observed}, Width(0, (), 0, 0)
+    direct, width = {name: name for name in observed}, Width(0, ())
     options = NetworkOptions(outputs, observed, (), direct, (), width)
     inputs = tuple(BoundInput(name, name) for name in observed)
     declaration = Declaration("Benchmark", "", inputs)

@@ -16,16 +16,11 @@ from typing import Any, Literal
 Holds = Callable[[object], bool]  # a test of one value
 
 
-def any_value(_: object) -> bool:
-    """Hold for every value: the test of a use that nothing more is known of."""
-    return True
-
-
 @dataclass(frozen=True)
 class Use:
     """One way in which the value of an input can bring a claim nearer."""
 
-    holds: Holds = any_value  # value -> whether it does
+    holds: Holds = lambda _: True  # value -> whether it does; every one, if nothing more is known
     # ids of further inputs, each with a test that holds as well whenever the claim is made this way
     # (`valid` with `p_fail < 0.1` in `valid AND p_fail < 0.1`)
     companions: tuple[tuple[str, Holds], ...] = ()

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import errno
 import hashlib
-import io
 import itertools
 import os
 import re
@@ -126,10 +125,6 @@ class Source:
     def sha256(self) -> str:
         """Hex digest of the part, else of the bytes, for traceability."""
         return hashlib.sha256(self.data if self.part is None else self.part).hexdigest()
-
-    def open(self) -> BinaryIO:
-        """Return the bytes as a seekable stream."""
-        return io.BytesIO(self.data)
 
     def text(self, code: str) -> str:
         """Return the content as text, without a byte order mark; ``code`` is that of the problem.

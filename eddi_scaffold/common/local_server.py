@@ -94,7 +94,10 @@ class Handler(BaseHTTPRequestHandler):
 
     def body(self) -> bytes:
         """Return what was sent; Refused if it is too long, or shorter than was said."""
-        length = self._length()
+        stated = self.headers.get("Content-Length", "")
+        if not _LENGTH.fullmatch(stated):
+            raise Refused(HTTPStatus.BAD_REQUEST, "the Content-Length is not a number of bytes")
+        length = int(stated)
         if length > MAX_BODY:
             self.rfile.read(min(length, _DRAINED))
             text = f"more than {MAX_BODY} bytes are not taken: go back and shorten the text"
@@ -103,14 +106,6 @@ class Handler(BaseHTTPRequestHandler):
         if len(body) < length:
             raise Refused(HTTPStatus.BAD_REQUEST, "the body is shorter than its Content-Length")
         return body
-
-    def _length(self) -> int:
-        lengths = self.headers.get_all("Content-Length", [])
-        if "Transfer-Encoding" in self.headers or not lengths:
-            raise Refused(HTTPStatus.LENGTH_REQUIRED, "a Content-Length is required")
-        if len(lengths) > 1 or not _LENGTH.fullmatch(lengths[0]):
-            raise Refused(HTTPStatus.BAD_REQUEST, "the Content-Length is not a number of bytes")
-        return int(lengths[0])
 
     def send(
         self, status: HTTPStatus, kind: str, data: bytes, more: Mapping[str, str] | None = None

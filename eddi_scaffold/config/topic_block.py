@@ -79,8 +79,8 @@ def read_block(source: Source) -> ConfigText:
     """Find the block in a configuration.
 
     Raises:
-        EddiError: the file is not a YAML mapping, is written in one pair of braces, has the block
-            under both of its names, or uses an anchor of it elsewhere (K001).
+        EddiError: the file is not a YAML mapping, is written in one pair of braces, or has the
+            block under both of its names (K001).
     """
     text = source.data.decode("utf-8-sig", "replace")
     if _NOTHING.fullmatch(text) and not NOT_YAML.search(text):
@@ -108,13 +108,6 @@ def read_block(source: Source) -> ConfigText:
         place = Place(source.name, block[1][0].line, 1)
         raise EddiError(problem("K001.two_spellings", place, spellings=lines))
     ((key, value),) = block
-    others = [other for _, other in root.entries() if other is not value]
-    uses = {anchor: line for other in others for anchor, line in other.aliases.items()}
-    for anchor, line in value.anchors.items():
-        if anchor in uses:
-            place = Place(source.name, line, 1)
-            use = uses[anchor]
-            raise EddiError(problem("K001.anchor", place, anchor=anchor, line=line, use=use))
     end = editor.line_end(max(value.end, key.end) if value.end > value.start else key.end)
     behind = value.end if value.is_flow else key.end
     head = re.search(r"\s+#.*", text[behind : editor.line_end(behind)].rstrip())
@@ -140,6 +133,9 @@ def rewritten(
     An entry of the old block whose topic is not among the new ones is dropped, unless ``absence``
     shows that it stays, or an input requires its id: that one is typically the output of another
     monitor, and stays.
+
+    Raises:
+        EddiError: the text would not be YAML any more (K001).
     """
     topics, ids = {entry.topic for entry in entries}, {entry.id for entry in entries}
     old = {entry.topic: entry for entry in document.old}
@@ -172,7 +168,11 @@ def rewritten(
         if name not in known:
             problems.append(problem("M023.requires", place, hint=similar.hint(name), name=name))
         known.add(name)
-    return editor.result(), problems
+    text = editor.result()
+    _, faults = read_document(Source(document.name, text.encode()), "K001")
+    if faults:  # an anchor that was in the block is used elsewhere
+        raise EddiError(*faults)
+    return text, problems
 
 
 def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:

@@ -19,11 +19,9 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.eddi_editor import in_form_of_emf
 from eddi_scaffold.eddi_xml.machine_json import is_machine, read_machine
 from eddi_scaffold.eddi_xml.parsing import (
-    DEFAULT_LIMITS,
-    HEAD_BYTES,
+    MAX_REFERENCES,
     XSI_TYPE,
     Element,
-    Limits,
     feature_of,
     line_of,
     load,
@@ -63,10 +61,9 @@ class EddiDocument:
         self,
         document: Element,
         name: str,
-        limits: Limits,
         origins: Mapping[Element, Place] = MappingProxyType({}),
     ) -> None:
-        self.name, self.document, self.limits = name, document, limits
+        self.name, self.document = name, document
         self.origins = origins  # of a file in another form: element -> its place in the file
         is_xmi = feature_of(document) == "XMI"  # the element around several roots
         self.roots = tuple(document.iterchildren()) if is_xmi else (document,)
@@ -139,11 +136,10 @@ class EddiDocument:
         tokens = [(name or "", text) for text in (element.get(name) or "" if name else "").split()]
         for child in self.children(element, spelling):
             tokens += [(feature_of(child), text)] if (text := child.get("href")) else []
-        limit = self.limits.reference_tokens
-        if len(tokens) > limit:
-            fields: dict[str, Any] = {"feature": spelling.name, "number": len(tokens)}
-            too_many = problem("X003.references", self.place(element), limit=limit, **fields)
-            return [], [too_many], True
+        if len(tokens) > MAX_REFERENCES:
+            place, number = self.place(element), len(tokens)
+            fields: dict[str, Any] = {"feature": spelling.name, "limit": MAX_REFERENCES}
+            return [], [problem("X003.references", place, number=number, **fields)], True
         resolved = [self.target(element, feature, text) for feature, text in tokens]
         ends = [end for end in resolved if not isinstance(end, Problem)]
         return ends, [end for end in resolved if isinstance(end, Problem)], bool(tokens)
@@ -303,20 +299,16 @@ class EddiFindings:
 
 def recognises(source: Source) -> bool:
     """Return whether a file looks like an EDDI: XML, or the JSON of a stand-alone machine."""
-    with source.open() as stream:
-        return looks_like_xml(stream.read(HEAD_BYTES)) or is_machine(source)
+    return looks_like_xml(source.data) or is_machine(source)
 
 
-def read_document(
-    source: Source, limits: Limits = DEFAULT_LIMITS
-) -> tuple[EddiDocument | None, list[Problem]]:
+def read_document(source: Source) -> tuple[EddiDocument | None, list[Problem]]:
     """Parse an EDDI; ``None`` and the errors X001 or X003 when that is impossible."""
     origins: Mapping[Element, Place] = {}
     if is_machine(source):
         element, origins, problems = read_machine(source)
     else:
-        with source.open() as stream:
-            element, problems = load(stream, source.name, limits)
+        element, problems = load(source.data, source.name)
     if element is None:
         return None, problems
     converted = in_form_of_emf(element, source.name, origins)
@@ -325,7 +317,7 @@ def read_document(
         problems += more
     if element is None:
         return None, problems
-    document = EddiDocument(element, source.name, limits, origins)
+    document = EddiDocument(element, source.name, origins)
     return document, [*problems, *unknown_classes(document)]
 
 

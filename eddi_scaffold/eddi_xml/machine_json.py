@@ -27,8 +27,8 @@ def is_machine(source: Source) -> bool:
     """Return whether a file is the JSON of a stand-alone machine, by its name and its keys."""
     if not source.name.lower().endswith(".json"):
         return False
-    with source.open() as stream:
-        return re.search(rb'"(?:states|transitions)"\s*:\s*\[', stream.read(HEAD_BYTES)) is not None
+    head = source.data[:HEAD_BYTES]
+    return re.search(rb'"(?:states|transitions)"\s*:\s*\[', head) is not None
 
 
 def read_machine(source: Source) -> tuple[Element | None, dict[Element, Place], list[Problem]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import codecs
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, BinaryIO, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from lxml import etree
 
@@ -85,27 +85,12 @@ _MAX_REPAIRS = 100
 _LAST_LINE = 65535
 
 
-class Limits(NamedTuple):
-    """How large an untrusted model may be."""
-
-    file_bytes: int = 64 * 1024 * 1024  # size of the file, checked before parsing
-    attributes: int = 1000  # of one element, which lxml looks up one by one
-    reference_tokens: int = 100_000  # references in one attribute
+MAX_ATTRIBUTES = 1000  # of one element, which lxml looks up one by one
+MAX_REFERENCES = 100_000  # in one attribute
 
 
-DEFAULT_LIMITS = Limits()
-
-
-def load(
-    stream: BinaryIO, name: str, limits: Limits = DEFAULT_LIMITS
-) -> tuple[Element | None, list[Problem]]:
-    """Parse a document from a seekable stream; ``None`` after an error (X001, X003)."""
-    size = stream.seek(0, 2)
-    if size > limits.file_bytes:
-        limit = limits.file_bytes
-        return None, [problem("X003.size", Place(name), value=size, limit=limit)]
-    stream.seek(0)
-    data = stream.read()
+def load(data: bytes, name: str) -> tuple[Element | None, list[Problem]]:
+    """Parse the bytes of a document; ``None`` after an error (X001, X003)."""
     head = read_head(data)
     if head.has_doctype:
         return None, [problem("X001.declaration", Place(name, head.root_line))]
@@ -114,10 +99,10 @@ def load(
         return None, [fault] if fault else []
     if _docinfo(document).doctype:
         return None, [problem("X001.declaration", Place(name, 1))]
-    crowded = select(document, f"descendant-or-self::*[@*[{limits.attributes + 1}]]")
+    crowded = select(document, f"descendant-or-self::*[@*[{MAX_ATTRIBUTES + 1}]]")
     if crowded:
         place, count = Place(name, line_of(crowded[0])), len(crowded[0].attrib)
-        return None, [problem("X003.attributes", place, value=count, limit=limits.attributes)]
+        return None, [problem("X003.attributes", place, value=count, limit=MAX_ATTRIBUTES)]
     place = Place(name, line_of(document))
     return document, [problem("X006.prefix", place, prefix=prefix) for prefix in undeclared]
 

@@ -18,7 +18,7 @@ from eddi_scaffold.common.problems import Place, Problem, plural, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import CLASSES, KNOWN_CLASSES, MONITORED, EddiDocument
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
-from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
+from eddi_scaffold.eddi_xml.parsing import MAX_REFERENCES, Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, fold, local_name
 
@@ -230,7 +230,7 @@ def check_features(document: EddiDocument) -> Iterator[Problem]:
                     place = document.place(part)
                     yield problem("X011.two_spellings", place, first=other, second=name)
                 if fold(name) in names.REFERENCES:
-                    tokens = value.split()[: document.limits.reference_tokens]
+                    tokens = value.split()[:MAX_REFERENCES]
                     stated += [(part, name, token) for token in tokens]
                 parent = part.getparent()
                 if name == "href" and parent is not None:  # of the feature that the element is in

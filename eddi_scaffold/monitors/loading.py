@@ -69,8 +69,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
     for kind in kinds().values():
         if kind.recognises(source):
             return kind.model_class.read_file(source, default_guarantees)
-    with source.open() as stream:
-        head = stream.read(_HEAD)
+    head = source.data[:_HEAD]
     if len(head) < _HEAD and not head.strip():
         return ReadResult((), (problem("F003.empty", place),))
     if is_xml(source):

@@ -32,8 +32,6 @@ class Span:
     is_map: bool = False  # a mapping, whose children are keys and values in turn
     is_flow: bool = False  # written with brackets or braces
     children: list[Span] = field(default_factory=list)
-    anchors: dict[str, int] = field(default_factory=dict)  # names that are defined inside -> line
-    aliases: dict[str, int] = field(default_factory=dict)  # names that are used inside -> line
     scalars: list[tuple[int, int]] = field(default_factory=list)
 
     def entries(self) -> Iterator[tuple[Span, Span]]:
@@ -52,10 +50,6 @@ def spans(text: str) -> Span | None:
         start: Any = event.start_mark
         end: Any = event.end_mark
         span = Span(start.index, start.index, start.line + 1)
-        anchor: str | None = getattr(event, "anchor", None)
-        if anchor is not None:
-            names = span.aliases if isinstance(event, yaml.AliasEvent) else span.anchors
-            names[anchor] = span.line
         if isinstance(event, yaml.CollectionStartEvent):
             span.is_map = isinstance(event, yaml.MappingStartEvent)
             span.is_flow = bool(event.flow_style)
@@ -77,8 +71,6 @@ def spans(text: str) -> Span | None:
         parent.children.append(span)
         if span.end > span.start:  # an empty part, marked at the next token, moves no end
             parent.end = max(parent.end, span.end)
-        parent.anchors |= span.anchors
-        parent.aliases |= span.aliases
         parent.scalars += span.scalars
     return None
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.eddi_xml import document as document_module
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
-from eddi_scaffold.eddi_xml.parsing import Limits
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold
 from tests.data_files import data_text
@@ -33,9 +33,10 @@ def test_classes_are_bound_without_prefix_and_case() -> None:
     assert doc.describe(first[0]) == 'conSerts "Drive"'
 
 
-def test_too_many_references() -> None:
+def test_too_many_references(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(document_module, "MAX_REFERENCES", 2)
     data = b'<r><a/><b to="//@a //@a //@a"/></r>'
-    doc, _ = read_document(Source("m.xml", data), Limits(reference_tokens=2))
+    doc, _ = read_document(Source("m.xml", data))
     assert doc is not None
     _, problems, _ = doc.targets(doc.roots[0][1], Spelling("to"))
     assert texts(problems) == ["m.xml:1: error X003: to has 3 references, more than the limit of 2"]

@@ -1,10 +1,7 @@
 """Loading: what is refused, how it is said, and that no file whatever ends in a traceback."""
 
-import io
-
 import pytest
 
-from eddi_scaffold.eddi_xml.parsing import Limits, load
 from tests.eddi_xml.eddi_texts import ROVER, codes, parsed, read, texts
 
 BOM = b"\xef\xbb\xbf"
@@ -90,14 +87,6 @@ def test_xinclude_is_not_followed() -> None:
     document, problems = parsed(data)
     assert problems == []
     assert not list(document.roots[0].itertext())
-
-
-def test_the_size_is_checked_before_parsing() -> None:
-    tree, problems = load(io.BytesIO(b"<a" * 50), "m.xml", Limits(file_bytes=99))
-    assert tree is None
-    assert texts(problems) == [
-        "m.xml:None: error X003: the size of the file in bytes is 100, more than the limit of 99"
-    ]
 
 
 def test_limits_name_value_and_limit() -> None:

@@ -29,10 +29,7 @@ def _recognises(source: Source) -> bool:
     name = source.name.lower()
     if name.endswith(_SUFFIXES[:4]):
         return True
-    if not name.endswith(_SUFFIXES):
-        return False
-    with source.open() as stream:
-        return _ROOT.search(stream.read(65536)) is not None
+    return name.endswith(_SUFFIXES) and _ROOT.search(source.data[:65536]) is not None
 
 
 def _facts(status: Any) -> StatusReading:

@@ -6,20 +6,18 @@ output; each inner node joins two. No number of a table is touched, so a network
 wide is recognised without allocating anything.
 
 The order is found greedily: the pair whose result is smallest, less what it replaces (Gray &
-Kourtis 2021, "Hyper-optimized tensor network contraction", section 4.1). Some fixed pseudo-random
-weightings are tried, and the two classic orders of elimination (Koller & Friedman 2009, section
-9.4.3.2): the node that adds the fewest edges to the graph, or makes the smallest table. These see
-the graph as a whole, and are narrower when tables are large. Costs are whole numbers and ties go
-by index: the same network gives the same tree on every machine.
+Kourtis 2021, "Hyper-optimized tensor network contraction", section 4.1), in some trials with fixed
+pseudo-random weights. Costs are whole numbers and ties go by index: the same network gives the same
+tree on every machine.
 """
 
 from __future__ import annotations
 
 import heapq
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cache, partial
-from itertools import combinations, islice
+from itertools import islice
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.network import Component, Shape, bits, mask_of, size_of
@@ -85,11 +83,6 @@ def find_tree(
         while len(search.active) > 2:  # once, unless there are more partners than are compared
             search.join_pairs(constants_only=False)
         trees.append(search.tree())
-    for rule in (fewest_edges, smallest_table):
-        search = _Search(leaves, shape.cards, _GAINS[0], lambda: 0.5)
-        search.join_pairs(constants_only=True)
-        search.eliminate(elimination_order([leaf.mask for leaf in leaves], shape.cards, rule))
-        trees.append(search.tree())
     return min(trees, key=cost)  # the first of equals
 
 
@@ -149,15 +142,6 @@ class _Search:
                     continue
             offer(self._join(*pair), from_=0)
 
-    def eliminate(self, order: Sequence[int]) -> None:
-        """Join the tables of one node after the other, those with the smallest product first."""
-        for node in order:
-            while len(self._holders[node]) > 1 and len(self.active) > 2:
-                # The holders ascend: a new number is the largest.
-                pairs = combinations(self._holders[node][: self._most], 2)
-                masks = self._masks
-                self._join(*min(pairs, key=lambda p: (self._size(masks[p[0]] | masks[p[1]]), p)))
-
     def _outside(self, *pair: int) -> int:
         """Return the nodes of a joined pair that something else has as well."""
         first, second = pair
@@ -181,55 +165,3 @@ class _Search:
         self._constant.append(self._constant[first] and self._constant[second])
         self._joins.append((first, second))
         return number
-
-
-_WIDE = 64
-"""Neighbours beyond which no table over them can be made: they need not be counted one by one."""
-Rule = Callable[[int, Mapping[int, int], Sequence[int]], int]
-
-
-def fewest_edges(node: int, neighbours: Mapping[int, int], cards: Sequence[int]) -> int:
-    """Return how many edges the elimination of a node adds, twice, weighted by their tables."""
-    adjacent = neighbours[node]
-    if adjacent.bit_count() > _WIDE:
-        return 1 << adjacent.bit_count()
-    return sum(
-        cards[other]
-        * sum(cards[bit] for bit in bits(adjacent & ~neighbours[other] & ~(1 << other)))
-        for other in bits(adjacent)
-    )
-
-
-def smallest_table(node: int, neighbours: Mapping[int, int], cards: Sequence[int]) -> int:
-    """Return the entries of the table that the elimination of a node needs."""
-    return size_of(neighbours[node] | 1 << node, cards)
-
-
-def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) -> tuple[int, ...]:
-    """Return the nodes of some tables by the value of a rule; ties go to the lower number."""
-    neighbours: dict[int, int] = {}
-    for mask in masks:
-        for node in bits(mask):
-            neighbours[node] = neighbours.get(node, 0) | mask & ~(1 << node)
-    price = {node: rule(node, neighbours, cards) for node in sorted(neighbours)}
-    cheapest = [(value, node) for node, value in price.items()]
-    heapq.heapify(cheapest)
-    order: list[int] = []
-    while price:
-        value, node = heapq.heappop(cheapest)
-        if price.get(node) != value:
-            continue  # eliminated, or priced anew since
-        order.append(node)
-        del price[node]
-        adjacent = neighbours.pop(node)
-        changed, has_new_edge = adjacent, False
-        for other in bits(adjacent):
-            before = neighbours[other] & ~(1 << node)
-            neighbours[other] = (before | adjacent) & ~(1 << other)
-            has_new_edge = has_new_edge or neighbours[other] != before
-        for other in bits(adjacent) if has_new_edge else ():
-            changed |= neighbours[other]
-        for other in bits(changed):
-            price[other] = rule(other, neighbours, cards)
-            heapq.heappush(cheapest, (price[other], other))
-    return tuple(order)

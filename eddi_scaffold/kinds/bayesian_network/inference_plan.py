@@ -38,8 +38,6 @@ class Width(NamedTuple):
 
     largest: int  # entries of the largest table, the product of the states of `nodes`
     nodes: tuple[str, ...]  # names of the nodes of that table
-    operations: int  # numpy operations of a step when nothing can be looked up
-    nanoseconds: int  # rough time of these on a desk computer
 
     @property
     def too_large(self) -> bool:
@@ -57,17 +55,14 @@ def _set(nodes: Iterable[int]) -> tuple[int, ...]:
 
 
 def _width(shape: Shape, plans: Sequence[Plan]) -> Width:
-    widest, largest, operations, nanoseconds = 0, 0, 0, 0
+    widest, largest = 0, 0
     for plan in plans:
         masks = [plan.program.joint_mask(message) for message in plan.program.messages.values()]
         for mask in (*masks, *(mask_of(shape.family(node)) for node in plan.part.nodes)):
             size = size_of(mask, shape.cards)
             if size > largest:
                 widest, largest = mask, size
-        _, full, count = plan.program.costs(shape.cards)
-        operations += count
-        nanoseconds += full
-    return Width(largest, tuple(shape.names[bit] for bit in bits(widest)), operations, nanoseconds)
+    return Width(largest, tuple(shape.names[bit] for bit in bits(widest)))
 
 
 @lru_cache(maxsize=16)
@@ -153,7 +148,7 @@ def everything(network: NumberedNetwork, instead_of: Program) -> Program | None:
     plans = _plans(network.shape, nodes, nodes, 2)
     if _width(network.shape, plans).largest > LARGE:
         return None
-    plans = tuple(plan._replace(program=plan.program.untabulated()) for plan in plans)
+    plans = tuple(plan._replace(program=plan.program._replace(tabulated=set())) for plan in plans)
     parts = tuple(_parts(network, plans, tables=True))
     return Program(nodes, nodes, parts, parts)
 

@@ -68,8 +68,7 @@ class NetworkModel(kinds.Model):
         else:
             is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
             clean, problems = read_xml_formats.without_doctype(source) if is_bif else (source, [])
-            with clean.open() as stream:
-                root, faults = load(stream, source.name)
+            root, faults = load(clean.data, source.name)
             network, problems = None, problems or faults
             if root is not None:
                 is_xmlbif = is_bif or suffix in (".xmlbif", ".bifxml")

@@ -6,8 +6,6 @@ They follow the rules of the ``Inflector`` library (0.11) that its generator use
 
 from __future__ import annotations
 
-import re
-
 from eddi_scaffold.common import identifiers
 
 RESERVED = identifiers.RESERVED | {"Unknown"}
@@ -41,8 +39,3 @@ def published_class(id_: str) -> str:
 def is_reserved(name: str) -> bool:
     """Return whether no class can have a name."""
     return name in RESERVED or name.startswith("__")
-
-
-def is_usable(id_: str) -> bool:
-    """Return whether names can be derived: there is an ASCII letter or digit."""
-    return re.search(r"[A-Za-z0-9]", id_) is not None

