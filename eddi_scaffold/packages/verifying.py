@@ -184,7 +184,7 @@ def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tupl
     logging.disable()  # what actions report is not of a robot
     try:
         class_ = module_of(text, monitor.model.name, lambda name: read_regular(code / name)).Monitor
-        failed = failures(str(file), class_, _input_class(class_.inputs))
+        failed = failures(str(file), class_, input_class(class_))
     except Exception as failure:  # noqa: BLE001 - such as a name that is not imported
         failed = [f"it does not run: {one_line(failure)}"]
     finally:
@@ -193,8 +193,9 @@ def _tested(monitor: BoundMonitor, text: str, package: Path, code: Path) -> tupl
     return [f"{plural(vectors_in(vectors), 'vector')}, {passed}", *failed], not failed
 
 
-def _input_class(inputs: Sequence[Any]) -> type[Any]:
-    """Return the class that reads the messages, without what a person writes in it."""
+def input_class(of: Any) -> type[Any]:
+    """Return the class that reads the messages of a monitor, without what a person writes in it."""
+    inputs = of.inputs
 
     class Input(EDDIInputBase):
         def __init__(self) -> None:

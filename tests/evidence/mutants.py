@@ -6,16 +6,18 @@ import ast
 import copy
 import itertools
 from collections.abc import Callable, Iterator
+from difflib import ndiff
+from importlib.util import spec_from_file_location
 from pathlib import Path
 from random import Random
 from typing import Any
 
 import pytest
-from eddi_runtime.inputs import EDDIInputBase
 from eddi_runtime.testing import failures
 
 from eddi_scaffold.monitors.answers import VECTORS, files_of
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.packages.verifying import input_class
 
 
 def mutants(text: str, is_tried: Callable[[int], bool] = lambda _: True) -> Iterator[str]:
@@ -73,41 +75,26 @@ def changed(node: Any, k: int) -> bool:
     return False
 
 
-def input_class(of: Any) -> type[Any]:
-    """Return an ``EDDIInput`` as a package has it."""
-
-    class Input(EDDIInputBase):
-        def __init__(self) -> None:
-            for spec in of.inputs:
-                setattr(self, spec.attribute, spec.default)
-            super().__init__(of.inputs)
-
-        def processing(self, messages: Any) -> None:
-            self.begin_processing()
-            for spec in of.inputs:
-                method = getattr(self, f"process_{spec.attribute}")
-                self.update(spec.id, method, messages, spec.requires)
-
-    return Input
-
-
 class Mutated:
     """The compiled text of a monitor, of which each change is run against its vectors."""
 
     def __init__(self, monitor: BoundMonitor, folder: Path) -> None:
         files = files_of(monitor)
-        self.vectors = folder / "vectors.json"
+        self.vectors, self.kills = folder / "vectors.json", 0
         self.vectors.write_bytes(files[VECTORS])
-        self.head, _, body = (
-            files["compiled.py"].decode().partition("\n# sha256 of the lines below")
-        )
+        for name in files:
+            if name.endswith(".bin"):  # a table of the text
+                (folder / name).write_bytes(files[name])
+        self.spec = spec_from_file_location("compiled", folder / "compiled.py")
+        text = files["compiled.py"].decode()
+        self.head, _, body = text.partition("\n# sha256 of the lines below")
         self.body = ast.unparse(ast.parse(body.partition("\n")[2]))
         is_killed, self.original = self.killed(self.body)
         assert not is_killed
 
     def killed(self, text: str) -> tuple[bool, Any]:
         """Return whether the vectors see a change, and the class ``Monitor`` of the text."""
-        scope: dict[str, Any] = {"__name__": "compiled", "__file__": "no file"}
+        scope: dict[str, Any] = {"__name__": "compiled", "__file__": "", "__spec__": self.spec}
         try:
             exec(f"{self.head}\n{text}", scope)
             found = failures(str(self.vectors), scope["Monitor"], input_class(scope["Monitor"]))
@@ -123,23 +110,18 @@ class Mutated:
 
     def survivors(
         self, is_tried: Callable[[int], bool] = lambda _: True
-    ) -> Iterator[tuple[str, Any]]:
+    ) -> Iterator[tuple[tuple[str, str], Any]]:
         """Yield what changed in each mutant that is not killed, and its class ``Monitor``.
 
-        What only names the model and the digest of its text does not count.
+        The change is a line before and after. What only names the model and the digest of its
+        text does not count.
         """
         for text in mutants(self.body, is_tried):
             is_killed, mutant = self.killed(text)
+            self.kills += is_killed
             own = self.original
             is_about = mutant and (mutant.model_id, mutant.digest) != (own.model_id, own.digest)
             if not is_killed and not is_about:
-                yield difference(self.body, text), mutant
-
-
-def difference(text: str, other: str) -> str:
-    """Return where a text differs, with a few characters around it: ``before -> after``."""
-    start = next(k for k in itertools.count() if text[k : k + 1] != other[k : k + 1])
-    end = next(k for k in itertools.count() if text[-1 - k :][:1] != other[-1 - k :][:1])
-    end = min(end, min(len(text), len(other)) - start)
-    before, after = (of[max(start - 40, 0) : len(of) - end + 20] for of in (text, other))
-    return f"{before!r} -> {after!r}"
+                lines = ndiff(self.body.splitlines(), text.splitlines())
+                before, after = (line[1:].strip() for line in lines if line[0] in "-+")
+                yield (before, after), mutant

@@ -8,8 +8,8 @@ from eddi_runtime.testing import failures
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.playing import compiled
 from tests.conditions.test_agreement import batches
+from tests.evidence.mutants import input_class
 from tests.frozen.random_models import MAKERS
-from tests.kinds.consert.test_vectors import input_class
 
 
 @pytest.mark.parametrize("kind", ["safeml", "state_machine"])

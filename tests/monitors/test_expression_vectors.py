@@ -12,7 +12,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.checkouts import HERE
 from tests.data_files import tabled
-from tests.kinds.consert.test_vectors import input_class
+from tests.evidence.mutants import input_class
 from tests.monitors.test_expressions import config, joined, sound
 
 OTHERS = """\
