@@ -153,3 +153,16 @@ def test_a_file_of_something_else_is_refused(robot: Path) -> None:
     assert result.status == 2
     assert "this is no result of injected faults" in result.err
     assert not (robot / "report").exists()
+
+
+def test_names_of_a_model_are_text(robot: Path) -> None:
+    hazards = robot / "hazards.xml"
+    name = "&lt;script&gt;alert(1)&lt;/script&gt; {{ 7*7 }} &quot; onload=&quot;x"
+    text = hazards.read_text("utf-8").replace('name="LosesLoad"', f'name="{name}"')
+    hazards.write_text(text, "utf-8")
+    states = report(robot)
+    page = (robot / "report" / "report.html").read_text("utf-8")
+    assert "<script" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; {{ 7*7 }}" in page
+    assert not re.search(r"<[^>]* onload=", page)
+    assert states["HAZARD_SCRIPT_ALERT_1_SCRIPT_7_7_ONLOAD_X"] == "unlinked"
