@@ -205,9 +205,10 @@ class _Vectors:
         system, mission, run = self.system, _Mission(self.system), list[Step]()
         judges = [Judge(of.activate, of.release, of.hold) for of in system.thresholds]
         is_known = all(of is not None for _, pattern in steps for _, of in pattern.values())
-        inputs, results, last = dict[str, Any](), dict[str, Any](), 0
+        inputs, results = dict[str, Any](), dict[str, Any]()
+        start = last = steps[0][0]
         for now, pattern in steps:
-            quanta = -last // self.quantum_ns - -now // self.quantum_ns  # rounded up
+            quanta = (start - last) // self.quantum_ns - (start - now) // self.quantum_ns
             given = {id_: of for id_, (_, of) in pattern.items()}
             try:
                 p = mission.step(given, quanta * self.quantum_ns / _HOUR)[system.top]
@@ -275,8 +276,8 @@ class _Vectors:
             kept = [(now, row) for row in good for now in until]
             falls = enumerate([*band, *good, *band, *bad, *band], hold + 1)
             again = [(hold + 6 + now, row) for now, row in kept]
-            yield f"threshold:{threshold.id}", [*kept, *falls, *again]
-            yield f"threshold:{threshold.id}", [(now, row) for row in band for now in until]
+            runs = [*kept, *falls, *again], [(now, row) for row in band for now in until]
+            yield from ((f"threshold:{threshold.id}", steps) for steps in runs if steps)
 
     def lines(self, inputs: Sequence[BoundInput]) -> Iterator[Run | list[object]]:
         """Yield the lines of the file; raise an error at the end where some are missing."""
