@@ -19,8 +19,11 @@ class Polynomial(dict[tuple[Any, ...], Fraction]):
 
     def __add__(self, other: Polynomial) -> Polynomial:
         none = Fraction(0)
-        both = {**self, **other}
-        return Polynomial({of: self.get(of, none) + other.get(of, none) for of in both})
+        sums = {of: self.get(of, none) + other.get(of, none) for of in {**self, **other}}
+        return Polynomial({of: number for of, number in sums.items() if number})
+
+    def __sub__(self, other: Polynomial) -> Polynomial:
+        return self + Polynomial({of: -number for of, number in other.items()})
 
     def __mul__(self, other: Polynomial) -> Polynomial:
         if len(self) * len(other) > _MOST_TERMS:
