@@ -102,6 +102,7 @@ class Mutated:
             files["compiled.py"].decode().partition("\n# sha256 of the lines below")
         )
         self.body = ast.unparse(ast.parse(body.partition("\n")[2]))
+        self.text = ""  # of the last survivor
         is_killed, self.original = self.killed(self.body)
         assert not is_killed
 
@@ -133,6 +134,7 @@ class Mutated:
             own = self.original
             is_about = mutant and (mutant.model_id, mutant.digest) != (own.model_id, own.digest)
             if not is_killed and not is_about:
+                self.text = f"{self.head}\n{text}"
                 yield difference(self.body, text), mutant
 
 
