@@ -64,25 +64,12 @@ class _Source(NamedTuple):
         number = number * of.scale + of.offset if of.scaled else number
         return int(of.order[(bisect_left if of.closed_right else bisect_right)(of.edges, number)])
 
-    def usual(self) -> list[Any]:
-        """Return a value for each state."""
-        if (of := self.of) is None:
-            return [*self.states]
-        values = [value for value, state in of.special if state != of.missing]
-        if of.edges is not None:
-            low, high = sorted(limit * of.scale + of.offset for limit in of.limits)
-            edges, width = of.edges or (0.0,), max(1.0, *map(abs, of.edges), 0.0)
-            ends = [max(low, edges[0] - width), *of.edges, min(high, edges[-1] + width)]
-            middles = (a / 2.0 + b / 2.0 for a, b in itertools.pairwise(ends))
-            values += [(middle - of.offset) / of.scale for middle in middles]
-        return values
-
-    def odd(self) -> Iterator[Any]:
-        """Yield values at each edge and limit, from both sides, and those that are none."""
-        of, usual, count = self.of, self.usual(), len(self.states)
-        yield from (usual[0], None, usual[-1], True, False, "", "true", 0, 1, 1.5)
+    def values(self) -> Iterator[Any]:
+        """Yield values of each state, at each edge and limit, around them, and those of none."""
+        of, count = self.of, len(self.states)
+        yield from (True, False, *self.states, None, "", 0, 1, 1.5)
+        yield from (text.swapcase() for text in self.states)
         yield from ({"is": name} for name in ("nan", "object", "absent", "inf", "-inf"))
-        yield from (str(value).swapcase() for value in usual)
         if of is None:
             yield from ([2, *[0] * (count - 1)], [0.0] * count, [1.0] * (count + 1), [-1.0] * count)
             yield [0.25 + k for k in range(count)]
@@ -90,8 +77,8 @@ class _Source(NamedTuple):
         yield from (value for value, _ in of.special)
         numbers = [(edge - of.offset) / of.scale for edge in of.edges or ()]
         for number in dict.fromkeys([*numbers, *filter(math.isfinite, of.limits)]):
-            near = [number + k * math.ulp(number) for k in (-2, -1, 0, 1, 2)]
-            yield from (usual[0], *near, usual[-1], *near[::-1], round(number))
+            yield from (round(number), number - 1.0, number + 1.0)
+            yield from (number + k * math.ulp(number) for k in (-2, -1, 0, 1, 2))
 
 
 def _one(state: int | None, count: int) -> Weights:
@@ -107,55 +94,6 @@ def _likelihoods(numbers: Any, count: int, virtual: bool) -> Weights | None:
     return tuple(number / max(numbers) for number in numbers)
 
 
-class _Elimination:
-    """Posteriors of a network, by variable elimination."""
-
-    def __init__(self, network: Network) -> None:
-        names, self.cards = network.names(), [len(node.states) for node in network.nodes]
-        self.tables, self.work = list[Table](), 0
-        self._known: dict[object, Weights] = {}
-        for node in network.nodes:
-            axes = (*map(names.index, node.parents), names.index(node.id))
-            states = itertools.product(*(range(self.cards[k]) for k in axes))
-            self.tables.append((axes, dict(zip(states, node.table, strict=True))))
-
-    def posteriors(self, evidence: Evidence, nodes: Iterable[int]) -> dict[int, Weights]:
-        """Return node -> the probabilities of its states; none where the evidence is impossible."""
-        rows = {node: self._posterior(evidence, node) for node in nodes}
-        return rows if all(rows.values()) else {}
-
-    def _posterior(self, evidence: Evidence, node: int) -> Weights:
-        key = node, *sorted(evidence.items())
-        if key not in self._known:
-            tables, left = [*self.tables], {*range(len(self.cards))} - {node}
-            tables += (((k,), {(s,): p for s, p in enumerate(of)}) for k, of in evidence.items())
-            while left:
-                unions = {k: {m for of, _ in tables if k in of for m in of} for k in left}
-                sizes = {k: math.prod(self.cards[m] for m in of) for k, of in unions.items()}
-                left.remove(least := min(left, key=lambda k: (sizes[k], k)))
-                summed = self._summed([table for table in tables if least in table[0]], least)
-                tables = [*(table for table in tables if least not in table[0]), summed]
-            row = [*self._summed(tables, -1)[1].values()]
-            whole = math.fsum(row)
-            self._known[key] = tuple(p / whole for p in row) if whole else ()
-        return self._known[key]
-
-    def _summed(self, tables: Sequence[Table], node: int) -> Table:
-        """Return the product of tables, summed over a node."""
-        nodes = sorted({k for of, _ in tables for k in of})
-        kept, sums = tuple(k for k in nodes if k != node), dict[tuple[int, ...], float]()
-        for states in itertools.product(*(range(self.cards[k]) for k in nodes)):
-            self.work += 1
-            if self.work > _MOST_WORK:
-                raise vectors.TooMuchError
-            at = dict(zip(nodes, states, strict=True))
-            key = tuple(at[k] for k in kept)
-            p = math.prod(rows[tuple(at[k] for k in of)] for of, rows in tables)
-            sums[key] = sums.get(key, 0.0) + p
-        largest = max(sums.values()) or 1.0  # so that none becomes too small
-        return kept, {key: p / largest for key, p in sums.items()}
-
-
 class _Vectors:
     """Runs of a network, by definition."""
 
@@ -163,7 +101,12 @@ class _Vectors:
         self, network: Network, options: NetworkOptions, inputs: Sequence[BoundInput]
     ) -> None:
         self.options, self.nodes, names = options, network.nodes, network.names()
-        self.of, self.cards = _Elimination(network), [len(node.states) for node in network.nodes]
+        self.cards, self.tables = [len(node.states) for node in network.nodes], list[Table]()
+        for node in network.nodes:
+            axes = (*map(names.index, node.parents), names.index(node.id))
+            states = itertools.product(*(range(self.cards[k]) for k in axes))
+            self.tables.append((axes, dict(zip(states, node.table, strict=True))))
+        self.work, self.known = 0, dict[object, Weights]()
         self.method = [f"node_{name}()" for name in node_attributes(network).values()]
         self.observable = [*map(names.index, options.observable)]
         self.outputs = [*map(names.index, options.outputs)]
@@ -183,25 +126,61 @@ class _Vectors:
             for node in [names.index(of.node)]
         ]
 
+    def posteriors(self, evidence: Evidence, nodes: Iterable[int]) -> dict[int, Weights]:
+        """Return node -> the probabilities of its states; none where the evidence is impossible."""
+        rows = {node: self._posterior(evidence, node) for node in nodes}
+        return rows if all(rows.values()) else {}
+
+    def _posterior(self, evidence: Evidence, node: int) -> Weights:
+        key = node, *sorted(evidence.items())
+        if key not in self.known:
+            tables, left = [*self.tables], {*range(len(self.cards))} - {node}
+            tables += (((k,), {(s,): p for s, p in enumerate(of)}) for k, of in evidence.items())
+            while left:
+                unions = {k: {m for of, _ in tables if k in of for m in of} for k in left}
+                sizes = {k: math.prod(self.cards[m] for m in of) for k, of in unions.items()}
+                left.remove(least := min(left, key=lambda k: (sizes[k], k)))
+                summed = self._summed([table for table in tables if least in table[0]], least)
+                tables = [*(table for table in tables if least not in table[0]), summed]
+            row = [*self._summed(tables, -1)[1].values()]
+            whole = math.fsum(row)
+            self.known[key] = tuple(p / whole for p in row) if whole else ()
+        return self.known[key]
+
+    def _summed(self, tables: Sequence[Table], node: int) -> Table:
+        """Return the product of tables, summed over a node."""
+        nodes = sorted({k for of, _ in tables for k in of})
+        kept, sums = tuple(k for k in nodes if k != node), dict[tuple[int, ...], float]()
+        for states in itertools.product(*(range(self.cards[k]) for k in nodes)):
+            self.work += 1
+            if self.work > _MOST_WORK:
+                raise vectors.TooMuchError
+            at = dict(zip(nodes, states, strict=True))
+            key = tuple(at[k] for k in kept)
+            p = math.prod(rows[tuple(at[k] for k in of)] for of, rows in tables)
+            sums[key] = sums.get(key, 0.0) + p
+        largest = max(sums.values()) or 1.0  # so that none becomes too small
+        return kept, {key: p / largest for key, p in sums.items()}
+
     def judges(self) -> list[vectors.Judge]:
         """Return new judges of the thresholds."""
         rows = ((of, sign) for of, *_, sign in self.thresholds)
         return [vectors.Judge(sign * of.limit, sign * of.release, of.hold) for of, sign in rows]
 
     def run(self, name: str, changes: Iterable[tuple[int, Values]]) -> vectors.Run:
-        """Return the steps with what comes out, without those that depend on rounding."""
-        judges, good, steps = self.judges(), dict[int, Weights](), list[vectors.Step]()
+        """Return the steps with what comes out.
+
+        Without those that depend on rounding, or on what is done with impossible evidence.
+        """
+        judges, steps = self.judges(), list[vectors.Step]()
         values, told = dict[str, Any](), dict[str, Any]()
         for now, new in changes:
             inputs = {**values, **new}
             evidence, worst = self.seen(inputs)
-            if any(map(vectors.Judge.is_near, judges, worst)):
+            rows = self.posteriors(evidence, self.outputs)
+            is_silent = self.options.on_inconsistent == "silent"
+            if any(map(vectors.Judge.is_near, judges, worst)) or not (rows or is_silent):
                 continue
-            rows = self.of.posteriors(evidence, self.outputs)
-            good = rows or good
-            if not rows and self.options.on_inconsistent != "silent":
-                is_held = self.options.on_inconsistent == "hold"
-                rows = good if is_held else self.of.posteriors({}, self.outputs)
             results: dict[str, Any] = {
                 f"{self.nodes[k].id}={state}": float(f"{rows[k][number]:.12g}") if rows else None
                 for k in self.outputs
@@ -233,7 +212,7 @@ class _Vectors:
             for states in itertools.product(*(range(self.cards[k]) for k in unknown)):
                 pairs = zip(unknown, states, strict=True)
                 sure = {k: _one(state, self.cards[k]) for k, state in pairs}
-                rows = self.of.posteriors({**evidence, **sure}, nodes)
+                rows = self.posteriors({**evidence, **sure}, nodes)
                 cases += [rows] if rows else []
         return evidence, [
             max((sign * math.fsum(rows[k][s] for s in of) for rows in cases), default=None)
@@ -254,7 +233,7 @@ class _Vectors:
             held = vectors.held(judge.hold_ns, good, band, bad)
             yield self.run(f"threshold:{of.id}", held)
         lists: dict[str, Sequence[Values]] = {
-            f"value:{of.input.id}": [{**first, of.input.id: value} for value in of.odd()]
+            f"value:{of.input.id}": [{**first, of.input.id: value} for value in of.values()]
             for of in self.sources.values()
         }
         lists |= {"methods": [*self._methods()], "evidence": cases}
@@ -300,8 +279,11 @@ def network_vectors(
         return ""
     of, fed = _Vectors(network, options, inputs), dict[str, list[tuple[str, Any]]]()
     for source in of.sources.values():
-        id_ = source.input.id
-        fed[id_] = [*((id_, value) for value in source.usual()), *fed.get(id_, [(id_, None)])]
+        id_, kinds = source.input.id, dict[Weights | None, Any]()  # of each reading, a value
+        for value in source.values():
+            kinds.setdefault(source.read(value, options.virtual), value)
+        none = [(id_, kinds.pop(None, None))]
+        fed[id_] = [*((id_, value) for value in kinds.values()), *fed.get(id_, none)]
     first, cases = dict(pairs[0] for pairs in fed.values()), _cases([*fed.values()])
 
     def at_start(given: Values) -> Values | None:

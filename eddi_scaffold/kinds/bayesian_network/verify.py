@@ -151,25 +151,23 @@ class _Program:
             rows = self._joint(rest, axes, output)
             steps = ((place(k), math.prod(rows.shape[at:-1])) for at, k in enumerate(axes, 1))
             tables.append(Call("tables.Table", (tuple(steps),), table.keywords))
-            match table.keywords:
-                case {"rows": name, **others}:
-                    numbers = self.emitted.values.pop(str(name), node)
-                    self._same(numbers, data(numbers), rows.reshape(-1, rows.shape[-1]))
-                case others:
-                    pass
-            if [*others] == ["total"]:
-                function = self.emitted.functions.pop(str(others["total"]), node)
-                self._total(function, rows[(slice(-1),) * len(axes)])
-            elif others or not table.keywords:
+            named = {key: str(of) for key, of in table.keywords.items()}
+            if not named or not named.keys() <= {"rows", "total"}:
                 raise UnprovedError(node)
+            if "rows" in named:
+                numbers = self.emitted.values.pop(named["rows"], node)
+                self._same(numbers, data(numbers), rows.reshape(-1, rows.shape[-1]))
+            if "total" in named:
+                function = self.emitted.functions.pop(named["total"], node)
+                self._total(function, rows[(slice(-1),) * len(axes)])
         self._look_up(self.emitted.functions.pop(str(made.args[2]), node), tables)
         priors = {place(k): tuple(self.tables[k].tolist()) for k in roots}
         expected = Call("tables.Tables", (tuple(tables), priors, made.args[2]))
         smallest = (self.tables[of][self.tables[of] > 0.0].min() for of in self.nodes)
         least = math.floor(math.fsum(map(math.log2, smallest)) + _CLOSE)
         inputs = tuple(range(len(self.observable)))
-        named = {"inputs": inputs, "outputs": self.outputs, "least": least}
-        self.emitted.same("the part", node, Call(f"{_KIND}.Part", (expected,), named))
+        fields = {"inputs": inputs, "outputs": self.outputs, "least": least}
+        self.emitted.same("the part", node, Call(f"{_KIND}.Part", (expected,), fields))
 
     def _same(self, node: ast.AST, got: Any, expected: Array) -> None:
         numbers = np.array(got)
