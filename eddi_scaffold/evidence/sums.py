@@ -46,11 +46,7 @@ def returned(
 ) -> Any:
     """Return what a function of assignments and a ``return`` gives; of a tuple, a list.
 
-    Args:
-        function: is taken apart.
-        arguments: that it has.
-        values: of the arguments: something that can be added and multiplied, or lists of it.
-        number: makes such a thing of a constant.
+    ``values`` of its arguments, and ``number`` of a constant, can be added and multiplied.
     """
     if not isinstance(function, ast.FunctionDef) or ast.unparse(function.args) != arguments:
         raise UnprovedError(function)

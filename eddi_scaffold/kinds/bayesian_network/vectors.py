@@ -13,6 +13,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.evidence import vectors
 from eddi_scaffold.kinds.bayesian_network.network import Network, node_attributes
 
@@ -24,8 +25,8 @@ Weights = tuple[float, ...]  # of the states of a node
 Evidence = Mapping[int, Weights]  # node -> likelihoods of what is seen of it
 Table = tuple[tuple[int, ...], dict[tuple[int, ...], float]]  # nodes; their states -> a factor
 Values = Mapping[str, Any]  # input, or `node_<attribute>()` for a method -> value as in the file
-_MOST_NODES, _MOST_WORK = 60, 500_000  # of a network; entries of tables that are made
-_MOST_CASES, _DRAWN, _STEPS = 512, 200, 64  # of evidence; drawn where it is more; of a run
+_MOST_NODES, _MOST_WORK = 60, 400_000  # of a network; entries of tables that are made
+_MOST_CASES, _DRAWN, _STEPS = 512, 200, 32  # of evidence; drawn where it is more; of a run
 _MOST_COMPLETIONS = 1024  # of what is not known, up to which thresholds are judged
 _SMALL = 4096  # entries of a joint table of which every node can be observed
 _IS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
@@ -119,12 +120,13 @@ class _Vectors:
             if name is not None
         }
         self.remembers = any(of.hysteresis or of.policy == "hold" for of in of.values())
-        # node and states of each threshold, and a sign by which it is an upper one
-        self.thresholds = [
-            (of, node, [*map(network.nodes[node].states.index, of.states)], 1 - 2 * of.at_least)
-            for of in (() if self.remembers else options.thresholds)
-            for node in [names.index(of.node)]
-        ]
+        # id, limits, node, states, and a sign by which it is an upper one
+        self.thresholds = list[tuple[str, tuple[float, float, float], int, list[int], int]]()
+        for row in () if self.remembers else options.thresholds:
+            k, sign = names.index(row.node), -1 if row.at_least else 1
+            of_node = [*map(network.nodes[k].states.index, row.states)]
+            limits = sign * row.limit, sign * row.release, row.hold
+            self.thresholds.append((row.id, limits, k, of_node, sign))
 
     def posteriors(self, evidence: Evidence, nodes: Iterable[int]) -> dict[int, Weights]:
         """Return node -> the probabilities of its states; none where the evidence is impossible."""
@@ -134,45 +136,49 @@ class _Vectors:
     def _posterior(self, evidence: Evidence, node: int) -> Weights:
         key = node, *sorted(evidence.items())
         if key not in self.known:
-            tables, left = [*self.tables], {*range(len(self.cards))} - {node}
+            relevant = reached({of[-1]: of for of, _ in self.tables}, [node, *evidence])
+            tables, left = [of for of in self.tables if of[0][-1] in relevant], relevant - {node}
             tables += (((k,), {(s,): p for s, p in enumerate(of)}) for k, of in evidence.items())
+            states = [[*range(card)] for card in self.cards]  # that are possible
+            for k, of in evidence.items():
+                states[k] = [state for state, p in enumerate(of) if p]
             while left:
+                self.work += len(left) * len(tables) // 20
                 unions = {k: {m for of, _ in tables if k in of for m in of} for k in left}
-                sizes = {k: math.prod(self.cards[m] for m in of) for k, of in unions.items()}
+                sizes = {k: math.prod(len(states[m]) for m in of) for k, of in unions.items()}
                 left.remove(least := min(left, key=lambda k: (sizes[k], k)))
-                summed = self._summed([table for table in tables if least in table[0]], least)
+                summed = self._summed(
+                    [table for table in tables if least in table[0]], least, states
+                )
                 tables = [*(table for table in tables if least not in table[0]), summed]
-            row = [*self._summed(tables, -1)[1].values()]
+            _, sums = self._summed(tables, -1, states)
+            row = [sums.get((state,), 0.0) for state in range(self.cards[node])]
             whole = math.fsum(row)
             self.known[key] = tuple(p / whole for p in row) if whole else ()
         return self.known[key]
 
-    def _summed(self, tables: Sequence[Table], node: int) -> Table:
+    def _summed(self, tables: Sequence[Table], node: int, states: Sequence[Sequence[int]]) -> Table:
         """Return the product of tables, summed over a node."""
         nodes = sorted({k for of, _ in tables for k in of})
         kept, sums = tuple(k for k in nodes if k != node), dict[tuple[int, ...], float]()
-        for states in itertools.product(*(range(self.cards[k]) for k in nodes)):
+        for case in itertools.product(*(states[k] for k in nodes)):
             self.work += 1
             if self.work > _MOST_WORK:
                 raise vectors.TooMuchError
-            at = dict(zip(nodes, states, strict=True))
+            at = dict(zip(nodes, case, strict=True))
             key = tuple(at[k] for k in kept)
             p = math.prod(rows[tuple(at[k] for k in of)] for of, rows in tables)
             sums[key] = sums.get(key, 0.0) + p
         largest = max(sums.values()) or 1.0  # so that none becomes too small
         return kept, {key: p / largest for key, p in sums.items()}
 
-    def judges(self) -> list[vectors.Judge]:
-        """Return new judges of the thresholds."""
-        rows = ((of, sign) for of, *_, sign in self.thresholds)
-        return [vectors.Judge(sign * of.limit, sign * of.release, of.hold) for of, sign in rows]
-
     def run(self, name: str, changes: Iterable[tuple[int, Values]]) -> vectors.Run:
         """Return the steps with what comes out.
 
         Without those that depend on rounding, or on what is done with impossible evidence.
         """
-        judges, steps = self.judges(), list[vectors.Step]()
+        judges = [vectors.Judge(*limits) for _, limits, *_ in self.thresholds]
+        steps = list[vectors.Step]()
         values, told = dict[str, Any](), dict[str, Any]()
         for now, new in changes:
             inputs = {**values, **new}
@@ -186,8 +192,8 @@ class _Vectors:
                 for k in self.outputs
                 for number, state in enumerate(self.nodes[k].states)
             }
-            for (of, *_), judge, value in zip(self.thresholds, judges, worst, strict=True):
-                results[of.id] = judge.step(now, value)
+            for (id_, *_), judge, value in zip(self.thresholds, judges, worst, strict=True):
+                results[id_] = judge.step(now, value)
             before, after = vectors.changed(values, inputs), vectors.changed(told, results)
             steps.append(vectors.Step(now, before, after))
             values, told = inputs, results
@@ -207,7 +213,7 @@ class _Vectors:
                 evidence[k] = weights
             elif is_open:
                 unknown.append(k)
-        cases, nodes = list[dict[int, Weights]](), {k for _, k, *_ in self.thresholds}
+        cases, nodes = list[dict[int, Weights]](), {of[2] for of in self.thresholds}
         if nodes and math.prod(self.cards[k] for k in unknown) <= _MOST_COMPLETIONS:
             for states in itertools.product(*(range(self.cards[k]) for k in unknown)):
                 pairs = zip(unknown, states, strict=True)
@@ -216,27 +222,21 @@ class _Vectors:
                 cases += [rows] if rows else []
         return evidence, [
             max((sign * math.fsum(rows[k][s] for s in of) for rows in cases), default=None)
-            for _, k, of, sign in self.thresholds
+            for _, _, k, of, sign in self.thresholds
         ]
 
     def runs(self, first: Values, cases: Sequence[Values]) -> Iterator[vectors.Run]:
         """Yield runs, those that tell most of the least first."""
-        judged = [self.seen(case)[1] for case in cases[:_STEPS]]
-        for number, (judge, (of, *_)) in enumerate(
-            zip(self.judges(), self.thresholds, strict=True)
-        ):
-            worst = ((row[number], k) for k, row in enumerate(judged))
-            known = sorted((value, k) for value, k in worst if value is not None)
-            good = [cases[k] for value, k in known if value <= judge.activate][-1:]
-            band = [cases[k] for value, k in known if judge.activate < value <= judge.release][:1]
-            bad = [cases[k] for value, k in known if value > judge.release][:1]
-            held = vectors.held(judge.hold_ns, good, band, bad)
-            yield self.run(f"threshold:{of.id}", held)
+        judged = [(self.seen(case)[1], case) for case in cases[:_STEPS]]
+        for k, (id_, limits, *_) in enumerate(self.thresholds):
+            known = [(worst[k], case) for worst, case in judged]
+            yield self.run(f"threshold:{id_}", vectors.held(vectors.Judge(*limits), known))
         lists: dict[str, Sequence[Values]] = {
             f"value:{of.input.id}": [{**first, of.input.id: value} for value in of.values()]
             for of in self.sources.values()
         }
-        lists |= {"methods": [*self._methods()], "evidence": cases}
+        lists = {"evidence": cases[:_STEPS], "methods": [*self._methods()], **lists}
+        lists["further evidence"] = cases[_STEPS:]
         length = 1 if self.remembers else _STEPS
         for name, values in lists.items():
             for k in range(0, len(values), length):
