@@ -46,16 +46,10 @@ def returned(
     arguments: str,
     values: Mapping[str, Any],
     number: Callable[[float], Any] = lambda value: Polynomial({(): Fraction(value)}),
-    lines: Sequence[ast.stmt] = (),
 ) -> Any:
     """Return what a function of assignments and a ``return`` gives; of a tuple, a list.
 
-    Args:
-        function: is taken apart.
-        arguments: that it has.
-        values: of the arguments: something that can be added and multiplied, or lists of it.
-        number: makes such a thing of a constant.
-        lines: in place of its own.
+    ``values`` of its arguments, and ``number`` of a constant, can be added and multiplied.
     """
     if not isinstance(function, ast.FunctionDef) or ast.unparse(function.args) != arguments:
         raise UnprovedError(function)
@@ -89,7 +83,7 @@ def returned(
         for part, of in zip(parts, value, strict=True):
             assign(part, of)
 
-    for line in lines or function.body:
+    for line in function.body:
         match line:
             case ast.Assign(targets=[target], value=value):
                 assign(target, value_of(value))
@@ -98,10 +92,3 @@ def returned(
             case _:
                 raise UnprovedError(line)
     raise UnprovedError(function)
-
-
-def place(number: float) -> Polynomial:
-    """Make a polynomial of a constant in what selects an element: a whole number."""
-    if type(number) is not int:
-        raise UnprovedError(None, "a place is no whole number")
-    return Polynomial({(): Fraction(number)})

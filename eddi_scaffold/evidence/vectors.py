@@ -114,14 +114,17 @@ class Judge:
         return self.active
 
 
-def held(
-    hold_ns: int, good: Sequence[T], band: Sequence[T], bad: Sequence[T]
-) -> list[tuple[int, T]]:
+def held(judge: Judge, judged: Iterable[tuple[float | None, T]]) -> list[tuple[int, T]]:
     """Return times and values, from both sides, until just before the time to hold and at it.
 
-    Each of what makes a threshold active, leaves it as it is, and ends it.
+    Of those that are judged: what makes a threshold active, leaves it as it is, and ends it, each
+    as near to its limit as there is.
     """
-    now, later = hold_ns, 2 * hold_ns
+    known = sorted(((p, k, of) for k, (p, of) in enumerate(judged) if p is not None))
+    good = [of for p, _, of in known if p <= judge.activate][-1:]
+    band = [of for p, _, of in known if judge.activate < p <= judge.release][:1]
+    bad = [of for p, _, of in known if p > judge.release][:1]
+    now, later = judge.hold_ns, 2 * judge.hold_ns
     rows = [(0, bad), (1, band), (2, good), (1 + now, good), (2 + now, good), (3 + now, band)]
     rows += [(4 + now, good), (5 + now, bad), (6 + now, band), (7 + now, good), (8 + now, band)]
     rows += [(9 + now, good), (8 + later, good), (9 + later, good), (1, good), (2, bad)]

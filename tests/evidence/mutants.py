@@ -89,6 +89,7 @@ class Mutated:
         text = files["compiled.py"].decode()
         self.head, _, body = text.partition("\n# sha256 of the lines below")
         self.body = ast.unparse(ast.parse(body.partition("\n")[2]))
+        self.text = ""  # of the last survivor
         is_killed, self.original = self.killed(self.body)
         assert not is_killed
 
@@ -122,6 +123,7 @@ class Mutated:
             own = self.original
             is_about = mutant and (mutant.model_id, mutant.digest) != (own.model_id, own.digest)
             if not is_killed and not is_about:
+                self.text = f"{self.head}\n{text}"
                 lines = ndiff(self.body.splitlines(), text.splitlines())
                 before, after = (line[1:].strip() for line in lines if line[0] in "-+")
                 yield (before, after), mutant
