@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 def event_vectors(
     program: Program,
     accepts: Sequence[Sequence[str]],
-    units: Mapping[str, str],
     inputs: Sequence[BoundInput],
     about: Mapping[str, str],
 ) -> str:
@@ -27,7 +25,6 @@ def event_vectors(
     Args:
         program: the events.
         accepts: the words by which each of them accepts silence.
-        units: input -> its unit.
         inputs: of the monitor.
         about: the file of the model and its digest.
     """
@@ -35,10 +32,8 @@ def event_vectors(
         return ""
     factors = {input_.id: input_.factor for input_ in inputs if input_.factor is not None}
     drawings = [Drawing(program, number, factors) for number in range(len(program.results))]
-    lists: dict[str, list[Any]] = {
-        "tables": [*_tables(program, drawings, accepts, units, inputs).items()],
-        "runs": [],
-    }
+    tables = [["events", [*_events(program, drawings, accepts, inputs)]]]
+    lists: dict[str, list[Any]] = {"tables": tables, "runs": []}
     size = len(vectors_file(about, inputs, lists, complete=False)) + 1000
     for number, run in in_turn(drawings):
         row = run_row(run, partial(_results, program.results[number]))
@@ -46,9 +41,8 @@ def event_vectors(
         if size > MOST_BYTES:
             break
         lists["runs"].append(row)
-    complete = size <= MOST_BYTES and all(drawing.complete for drawing in drawings)
     missed = [drawing.missed for drawing in drawings if drawing.missed]
-    missed = missed if size + len(text(missed)) < MOST_BYTES else []
+    complete = size <= MOST_BYTES and not missed
     return vectors_file(about, inputs, {**lists, "missed": missed}, complete=complete)
 
 
@@ -57,42 +51,13 @@ def _results(result: Result, verdict: bool | None) -> dict[str, bool | None]:
     return {result.id: verdict, f"{result.id} is active": is_active}
 
 
-def _tables(
+def _events(
     program: Program,
     drawings: Sequence[Drawing],
     accepts: Sequence[Sequence[str]],
-    units: Mapping[str, str],
     inputs: Sequence[BoundInput],
-) -> dict[str, list[Any]]:
-    """Return what the monitor has to say of itself."""
+) -> Iterator[list[Any]]:
     names = [input_.id for input_ in inputs]
-    events = [
-        [result.id, result.hazard, sorted(map(names.index, drawing.pools)), [*words]]
-        for result, drawing, words in zip(program.results, drawings, accepts, strict=True)
-    ]
-    types: list[Any] = [""] * len(names)
-    limits: list[Any] = [None] * len(names)
-    reductions: list[int] = []
-    for read in program.reads:
-        for part in (read,) if read.reduction is None else read.reduction.inputs:
-            type_ = "list" if getattr(part, "is_list", False) else part.type
-            types[names.index(part.name)] = [*read.literals] if type_ == "enum" else type_
-        if read.reduction is not None:
-            reductions.append(names.index(read.reduction.inputs[0].name))
-        elif read.type == "number" and not read.text:
-            ends = read.range or (-math.inf, math.inf)
-            shown = (
-                "-Infinity" if end == -math.inf else "Infinity" if end == math.inf else end
-                for end in ends
-            )
-            limits[names.index(read.name)] = [*shown, read.infinite]
-        elif read.text:
-            types[names.index(read.name)] = "text"
-    shown_units = [units.get(name, "") for name in names] if units else []
-    return {
-        "events": events,
-        "types": types,
-        "limits": limits,
-        "units": shown_units,
-        "reductions": reductions,
-    }
+    for result, drawing, words in zip(program.results, drawings, accepts, strict=True):
+        numbers = sorted(map(names.index, drawing.pools))
+        yield [result.id, result.hazard, numbers, [*words]]
