@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -14,26 +14,16 @@ if TYPE_CHECKING:
     from eddi_scaffold.program.instructions import Program, Result
 
 
-def event_vectors(
-    program: Program,
-    accepts: Sequence[Sequence[str]],
-    inputs: Sequence[BoundInput],
-    about: Mapping[str, str],
-) -> str:
-    """Return the content of ``vectors.json``.
+def event_vectors(program: Program, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+    """Return the content of ``vectors.json`` for the inputs of a monitor.
 
-    Args:
-        program: the events.
-        accepts: the words by which each of them accepts silence.
-        inputs: of the monitor.
-        about: the file of the model and its digest.
+    ``about``: the file of the model and its digest.
     """
     if len(inputs) > MOST_INPUTS:
         return ""
     factors = {input_.id: input_.factor for input_ in inputs if input_.factor is not None}
     drawings = [Drawing(program, number, factors) for number in range(len(program.results))]
-    tables = [["events", [*_events(program, drawings, accepts, inputs)]]]
-    lists: dict[str, list[Any]] = {"tables": tables, "runs": []}
+    lists: dict[str, list[Any]] = {"runs": []}
     size = len(vectors_file(about, inputs, lists, complete=False)) + 1000
     for number, run in in_turn(drawings):
         row = run_row(run, partial(_results, program.results[number]))
@@ -41,23 +31,11 @@ def event_vectors(
         if size > MOST_BYTES:
             break
         lists["runs"].append(row)
-    missed = [drawing.missed for drawing in drawings if drawing.missed]
-    complete = size <= MOST_BYTES and not missed
-    return vectors_file(about, inputs, {**lists, "missed": missed}, complete=complete)
+    lists["missed"] = [drawing.missed for drawing in drawings if drawing.missed]
+    complete = size <= MOST_BYTES and not lists["missed"]
+    return vectors_file(about, inputs, lists, complete=complete)
 
 
 def _results(result: Result, verdict: bool | None) -> dict[str, bool | None]:
     is_active = verdict is True or (result.hazard and verdict is None)
     return {result.id: verdict, f"{result.id} is active": is_active}
-
-
-def _events(
-    program: Program,
-    drawings: Sequence[Drawing],
-    accepts: Sequence[Sequence[str]],
-    inputs: Sequence[BoundInput],
-) -> Iterator[list[Any]]:
-    names = [input_.id for input_ in inputs]
-    for result, drawing, words in zip(program.results, drawings, accepts, strict=True):
-        numbers = sorted(map(names.index, drawing.pools))
-        yield [result.id, result.hazard, numbers, [*words]]
