@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 Value = Any
 Factor = tuple[int, int]
 TRUTHS = (False, None, True)
-_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 COMPARISONS: Mapping[str, Callable[[Any, Any], bool]] = {
     op: getattr(operator, op) for op in ("lt", "le", "gt", "ge", "eq", "ne")
 }
-_MOVING = ("rise", "fall", "edge", "latch", "hysteresis", "elapsed")
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_INFINITE = (math.inf, -math.inf)
+STATEFUL = ("rise", "fall", "edge", "latch", "hysteresis", "elapsed")
 
 
 class Sample(NamedTuple):
@@ -43,7 +44,7 @@ class History:
 
     Args:
         program: the checked conditions.
-        samples: of the run.
+        given: the samples of the run.
         factors: of values that come in another unit.
         gap: nanoseconds that a gap may last longer.
         error: of what is rounded, relative to the largest sample of a window.
@@ -52,19 +53,20 @@ class History:
     def __init__(
         self,
         program: Program,
-        samples: Iterable[Sample],
+        given: Iterable[Sample],
         factors: Mapping[str, Factor] | None = None,
         gap: int = 0,
         error: float = 0.0,
     ) -> None:
         self.program, self.factors, self.error = program, factors or {}, error
+        self.given = [*given]
         self.samples: list[Sample] = []  # those that are steps
-        self.steps: list[int] = []  # of each sample the number of its step
+        self.steps: list[int] = []  # of each given sample the number of its step
         self.begin: list[int] = []  # of each step the first one since the clock went back
         self.since: list[int] = []  # time from which on windows fill
-        self.series: dict[int, list[Value]] = {}  # operation -> its value at each step
+        self.series: list[list[Value]] = []  # of each operation, its value at each step
         last: int | None = None
-        for sample in samples:
+        for sample in self.given:
             if last != sample.t:
                 number, is_new = len(self.samples), last is None or sample.t < last
                 is_gap = last is not None and 2 * (sample.t - last - gap) > 5 * program.period
@@ -74,23 +76,30 @@ class History:
                 last = sample.t
             self.steps.append(len(self.samples) - 1)
         self.times = [sample.t for sample in self.samples]
-        self._evaluate(range(len(program.operations)))
+        for row in program.operations:
+            self.series.append(self.value(row))
 
-    def _evaluate(self, operations: Iterable[int]) -> None:
-        for k in operations:
-            self.series[k] = self.value(self.program.operations[k])
+    def again(self, given: Iterable[Sample] = (), **changes: Any) -> History:
+        """Return the history of other samples, or of these with another gap or error."""
+        return History(self.program, given or self.given, self.factors, **changes)
 
-    def replaced(self, k: int, series: list[Value], above: Iterable[int]) -> History:
-        """Return the history with other values of an operation; ``above`` is what rests on it."""
-        other = copy(self)
-        other.series = {**self.series, k: series}
-        other._evaluate(above)  # noqa: SLF001 - its own class
+    def replaced(self, k: int, series: Callable[[History], list[Value]]) -> History:
+        """Return the history with other values of an operation."""
+        other, rows = copy(self), self.program.operations
+        other.series = [*self.series[:k], series(self)]
+        for row, own in zip(rows[k + 1 :], self.series[k + 1 :], strict=True):
+            is_same = all(other.series[arg] == self.series[arg] for arg in row.args)
+            other.series.append(own if is_same else other.value(row))
         return other
+
+    def columns(self, *operations: int) -> list[tuple[Value, ...]]:
+        """Return the values of operations at each step."""
+        return [*zip(*(self.series[k] for k in operations), strict=True)]
 
     def results(self) -> list[tuple[Value, ...]]:
         """Return the results at each sample."""
-        rows = zip(*(self.series[of.operation] for of in self.program.results), strict=True)
-        return [*map([*rows].__getitem__, self.steps)]
+        rows = self.columns(*(of.operation for of in self.program.results))
+        return [*map(rows.__getitem__, self.steps)]
 
     def value(self, row: Operation, shift: int = 0) -> list[Value]:
         """Return the values of an operation.
@@ -106,7 +115,7 @@ class History:
             return [TRUTHS[value] if op == "truth" else value] * len(steps)
         if row.window:
             return [self._window(row, shift, step) for step in steps]
-        if op not in _MOVING:
+        if op not in STATEFUL:
             return [combined(op, now) for now in zip(*args, strict=True)]
         series: list[Value] = []
         edge: int | None = None  # when the value of ELAPSED became true
@@ -151,11 +160,10 @@ class History:
         first = bisect_right(self.times, t - row.window, self.begin[step], step + 1)
         values = self.series[row.args[0]][first : step + 1]
         if op in ("average", "sum", "stddev", "rate"):
-            values = [None if value in (math.inf, -math.inf) else value for value in values]
+            values = [None if value in _INFINITE else value for value in values]
         known = [value for value in values if value is not None]
         is_full = self.since[step] <= t - row.window + self.program.period - shift
-        share = 1.0 if row.coverage is None else row.coverage
-        is_known = is_full and bool(known) and len(known) / len(values) >= share
+        is_known = is_full and _is_enough(known, values, row.coverage)
         if op in ("time", "once"):
             strong = op == "once"
             return strong if strong in known else not strong if is_known else None
@@ -165,17 +173,15 @@ class History:
             ends = [n for n, value in enumerate(values, first) if value is not None]
             seconds = (self.times[ends[-1]] - self.times[ends[0]]) / 1e9
             return finite((known[-1] - known[0]) / seconds) if seconds else None
-        value = aggregated(op, known)
-        if value is None or not self.error or _is_exact(op, known):
+        value, is_rounded = aggregated(op, known), op in ("average", "sum", "stddev")
+        if value is None or not self.error or not is_rounded or len(set(known)) == 1:
             return value
         return value + self.error * max(map(abs, known))
 
 
-def _is_exact(op: str, known: Sequence[float]) -> bool:
-    """Return whether numbers have the same sum or deviation however they are added up."""
-    if op == "stddev":
-        return len(set(known)) == 1
-    return op not in ("average", "sum") or math.fsum([*known, -math.fsum(known)]) == 0.0
+def _is_enough(known: Sequence[Value], values: Sequence[Value], coverage: float | None) -> bool:
+    share = 1.0 if coverage is None else coverage
+    return bool(known) and len(known) / len(values) >= share
 
 
 def aggregated(op: str, known: Sequence[Value]) -> Value:
@@ -190,12 +196,10 @@ def aggregated(op: str, known: Sequence[Value]) -> Value:
         middle = low if low == high else low / 2 + high / 2
         return None if math.isnan(middle) else middle
     try:
-        total = math.fsum(known)
-        if op == "sum":
-            return finite(total)
-        mean, left = total / len(known), len(known) - 1
-        if op == "average":
-            return finite(mean)
+        total, left = math.fsum(known), len(known) - 1
+        if op in ("sum", "average"):
+            return finite(total if op == "sum" else total / len(known))
+        mean = total / len(known)
         squares = math.fsum((value - mean) * (value - mean) for value in known)
         return finite(math.sqrt(squares / left)) if left else None
     except (OverflowError, ValueError):  # beyond doubles, or infinities of both signs
@@ -270,25 +274,23 @@ def reduced(reduction: Reduction, raws: Sequence[Value]) -> Value:
         if part.is_list and not isinstance(raw, list | tuple):
             return None
         columns.append([_plain(part, each) for each in raw] if part.is_list else _plain(part, raw))
-    lengths = {len(columns[k]) for k, part in enumerate(reduction.inputs) if part.is_list}
-    number = lengths.pop()
+    number, *others = (len(column) for column in columns if isinstance(column, list))
     least, most = reduction.length or (0, number)
     inside: Sequence[int] | None = range(number)
     if reduction.sector is not None:
         inside = _in_sector(number, reduction.sector, [columns[k] for k in reduction.angles])
-    if lengths or not least <= number <= most or inside is None:
+    if {*others} - {number} or not least <= number <= most or inside is None:
         return None
+    op = reduction.op.removeprefix("list_")
     if not inside:
-        empty = {"list_sum": 0.0, "list_count": 0.0, "list_any": False}
-        return empty.get(reduction.op) if reduction.messages else None
+        return {"sum": 0.0, "count": 0.0, "any": False}.get(op) if reduction.messages else None
 
     def value(k: int, element: int) -> Value:
         node = reduction.nodes[k]
         if node.op == "input":
             return columns[node.value][element] if node.is_list else columns[node.value]
         if node.op == "constant":
-            is_truth = type(node.value) is int
-            return TRUTHS[node.value] if is_truth else finite(node.value)
+            return TRUTHS[node.value] if type(node.value) is int else finite(node.value)
         return combined(node.op, [value(arg, element) for arg in node.args])
 
     for place, *ends in reduction.limits:
@@ -296,15 +298,13 @@ def reduced(reduction: Reduction, raws: Sequence[Value]) -> Value:
         if low is None or high is None:
             return None
         columns[place] = [
-            x if x is None or math.isinf(x) or low <= x <= high else None for x in columns[place]
+            x if x is None or x in _INFINITE or low <= x <= high else None for x in columns[place]
         ]
     values = [value(reduction.value, element) for element in inside]
-    op = reduction.op.removeprefix("list_")
+    known = [each for each in values if each is not None]
     if op in ("any", "all") and (op == "any") in values:
         return op == "any"
-    known = [each for each in values if each is not None]
-    share = 1.0 if reduction.coverage is None else reduction.coverage
-    if not known or len(known) / len(values) < share:
+    if not _is_enough(known, values, reduction.coverage):
         return None
     return op == "all" if op in ("any", "all") else aggregated(op, known)
 
@@ -317,8 +317,7 @@ def _in_sector(
     if start is None or end is None or not step or number == 0:
         return [] if number == 0 else None
     half, last = abs(step) / 2, start + (number - 1) * step
-    if abs(last - end) > 3 * half or sector[0] < min(start, last) - half:
-        return None
-    if sector[1] > max(start, last) + half:
+    is_inside = min(start, last) - half <= sector[0] and sector[1] <= max(start, last) + half
+    if abs(last - end) > 3 * half or not is_inside:
         return None
     return [k for k in range(number) if sector[0] - half <= start + k * step <= sector[1] + half]

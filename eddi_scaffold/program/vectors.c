@@ -9,30 +9,24 @@
 static const char *const runs[] = {
 $runs};
 
-static const struct {
-    int run;
-    int64_t t;
-$fields    int event;
-    double expected; /* of truth values 0, 1, 2; NAN is an UNKNOWN number */
-} steps[] = {
+/* Run, nanoseconds, event, what is expected, arguments. NAN is an UNKNOWN number. */
+static const double steps[][$columns] = {
 $steps};
-
-static ${name}_t monitor;
 
 int main(void)
 {
-    const size_t count = sizeof steps / sizeof steps[0];
-    int failures = 0;
-    for (size_t k = 0; k < count; k++) {
-        if (k == 0 || steps[k].run != steps[k - 1].run) {
+    static ${name}_t monitor;
+    int run = -1, failures = 0;
+    for (size_t k = 0; k < sizeof steps / sizeof steps[0]; k++) {
+        const double *s = steps[k];
+        if (run != (int)s[0]) {
+            run = (int)s[0];
             ${name}_reset(&monitor);
         }
-        (void)${name}_step(&monitor, steps[k].t$arguments);
-        const double got = (double)monitor.$got, expected = steps[k].expected;
-        const bool unknown = isnan(got) && isnan(expected);
-        if (!unknown && !(fabs(got - expected) <= 1e-9 * fabs(expected))) {
-            printf("%s, at %lld ns: expected %.17g, got %.17g\n", runs[steps[k].run],
-                   (long long)steps[k].t, expected, got);
+        (void)${name}_step(&monitor, (int64_t)s[1]$arguments);
+        const double got = (double)monitor.$got;
+        if (!(isnan(got) && isnan(s[3])) && !(fabs(got - s[3]) <= 1e-9 * fabs(s[3]))) {
+            printf("%s, at %.0f ns: expected %.17g, got %.17g\n", runs[run], s[1], s[3], got);
             failures++;
         }
     }

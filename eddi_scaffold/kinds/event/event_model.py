@@ -210,7 +210,7 @@ class EventModel(Model):
         return {input_.id: input_.unit for input_ in self.inputs() if input_.unit}
 
     def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
-        return event_vectors(self.program, self._accepts(), self._units(), inputs, about)
+        return event_vectors(self.program, inputs, about)
 
     def verify(self, emitted: Emitted) -> Iterator[str]:
         return verify(self.program, self._units(), self._accepts(), emitted)
