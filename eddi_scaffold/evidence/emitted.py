@@ -9,21 +9,23 @@ from __future__ import annotations
 import ast
 import builtins
 import keyword
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import cache
-from itertools import islice, zip_longest
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.monitor_text import Declaration
 
 _LONGEST = 40  # name that stands in a text as it is
-Key = TypeVar("Key")
 Holes = dict[str, Any]  # what the letters of a form stand for: expressions, names of attributes
-EXPRESSIONS = ("expression", "hold", "lists", "stacks", "window", "windows")
-"""Modules of the runtime below ``eddi_runtime.expressions``; all others are below the kind's."""
+_MODULES = {
+    **dict.fromkeys(("InputSpec", "expressions"), "eddi_runtime"),
+    **dict.fromkeys(
+        ("expression", "hold", "lists", "stacks", "window", "windows"), "eddi_runtime.expressions"
+    ),
+}
+"""What is imported -> where it is; all other names are in the kind's module."""
 _CONSTANTS = ("INF = float('inf')", "NAN = float('nan')")
 _BUILTINS = {*vars(builtins), "__file__", "__spec__"}
 _PLACES = {"ctx", "kind", "type_comment", "type_params"}  # fields that decide nothing
@@ -120,28 +122,34 @@ class Lines:
     """The statements of a body, which are taken from the front."""
 
     def __init__(self, function: ast.FunctionDef) -> None:
-        self.rest, self._end = deque(function.body), function
+        self.rest, self._end = [*function.body], function
 
     def find(self, form: str) -> Holes | None:
         """Take the next statements if they have a form."""
         holes: Holes = {}
         size = len(_parsed(form))
-        if not _unify(_parsed(form), [*islice(self.rest, size)], holes):
+        if not _unify(_parsed(form), self.rest[:size], holes):
             return None
-        for _ in range(size):
-            self.rest.popleft()
+        del self.rest[:size]
         return holes
 
-    def which(self, forms: Mapping[Key, str]) -> tuple[Key, Holes]:
-        """Take the next statements, and return which of some forms they have."""
-        for key, form in forms.items():
-            if (holes := self.find(form)) is not None:
-                return key, holes
-        raise UnprovedError(self.rest[0] if self.rest else self._end)
+    def take(self, form: str) -> Holes:
+        """Take the next statements, which have this form."""
+        if (holes := self.find(form)) is None:
+            raise UnprovedError(self.rest[0] if self.rest else self._end)
+        return holes
 
-    def take(self, *forms: str) -> Holes:
-        """Take the next statements, which have one of these forms."""
-        return self.which(dict(enumerate(forms)))[1]
+    def expect(self, *texts: str) -> None:
+        """Take the next statements, which are one of these texts."""
+        for text in texts[:-1]:
+            wanted = [*map(ast.unparse, ast.parse(text).body)]
+            if [*map(ast.unparse, self.rest[: len(wanted)])] == wanted:
+                del self.rest[: len(wanted)]
+                return
+        for of in ast.parse(texts[-1]).body:
+            got = self.rest.pop(0) if self.rest else self._end
+            if ast.unparse(got) != ast.unparse(of):
+                raise UnprovedError(got, f"it is not as the model says: {ast.unparse(of)!r}")
 
     def end(self) -> None:
         """Refuse further statements."""
@@ -174,12 +182,38 @@ class Class:
 
     def body(self, name: str, arguments: str, expected: str) -> None:
         """Take a method that has these arguments and these lines."""
-        function = self.methods.pop(name, None)
-        if function is None or ast.unparse(function.args) != arguments:
-            raise UnprovedError(function or self.node, f"there is no method {name}")
-        for got, wanted in zip_longest(function.body, ast.parse(expected).body):
-            if got is None or wanted is None or ast.unparse(got) != ast.unparse(wanted):
-                raise UnprovedError(got or function, "it is not as the model says")
+        lines = self.method(name, arguments)
+        lines.expect(expected)
+        lines.end()
+
+
+def _check_names(node: ast.stmt, defined: AbstractSet[str]) -> None:
+    """Refuse names that are not defined, and variables that hide what is called.
+
+    Whether they are defined above their use is seen when the module is loaded.
+    """
+    parts: list[ast.AST] = [node]
+    attributes = set[str]()
+    if isinstance(node, ast.ClassDef):
+        parts = [*node.bases, *node.body]
+        attributes = {ast.unparse(of.targets[0]) for of in node.body if isinstance(of, ast.Assign)}
+    for part in parts:
+        own, used, called = set[str](), set[str](), {"INF", "NAN"}
+        for of in ast.walk(part):
+            match of:
+                case ast.Name(ctx=ast.Store(), id=name) | ast.arg(arg=name):
+                    own.add(name)
+                case ast.FunctionDef(name=name) if of is not part:
+                    own.add(name)
+                case ast.Name(id=name):
+                    used.add(name)
+                case ast.Call():
+                    called.add(ast.unparse(of.func).partition(".")[0])
+        own |= set() if isinstance(part, ast.FunctionDef) else attributes
+        if used - own - defined:
+            raise UnprovedError(part, "it uses a name that is not defined")
+        if isinstance(part, ast.FunctionDef) and own & called & defined:
+            raise UnprovedError(part, "a variable hides what is called")
 
 
 class Emitted:
@@ -208,70 +242,44 @@ class Emitted:
             tree = ast.parse(text)
         except (SyntaxError, ValueError, RecursionError) as error:
             raise UnprovedError(None, f"it is no Python: {error}") from None
-        names, above = set[str](), list[tuple[ast.stmt, set[str]]]()
+        names, modules = set[str](), {**_MODULES, kind: "eddi_runtime"}
         for node in tree.body[1 if ast.get_docstring(tree) is not None else 0 :]:
             is_small = not isinstance(node, ast.ClassDef | ast.FunctionDef)
-            taken, new = ast.unparse(node) if is_small else "", ""
+            taken, new = ast.unparse(node) if is_small else "", [""]
             match node:
                 case ast.Import() if taken == "import eddi_runtime":
-                    new = "eddi_runtime"
-                case ast.ImportFrom():
-                    new = " ".join(alias.name for alias in node.names)
-                    part = "expressions" if {*new.split()} & {*EXPRESSIONS} else kind
-                    is_part = {*new.split()} <= {"InputSpec", "expressions", kind}
-                    module = "eddi_runtime" if is_part else f"eddi_runtime.{part}"
-                    if taken != f"from {module} import {', '.join(new.split())}":
-                        raise UnprovedError(node)
+                    new = ["eddi_runtime"]
+                case ast.ImportFrom(names=aliases, module=module, level=0) if all(
+                    module == modules.get(of.name, f"eddi_runtime.{kind}")
+                    and of.name.isidentifier()
+                    and of.asname is None
+                    for of in aliases
+                ):
+                    new = [of.name for of in aliases]
                 case ast.Expr() if taken.startswith("eddi_runtime.needs("):
-                    more = ["expressions"] if names & {"expressions", *EXPRESSIONS} else []
+                    more = ["expressions"] if names & {*_MODULES} - {"InputSpec"} else []
                     parts = ("eddi_runtime", kind, *more)
                     needed = ", ".join(f"{of}: {formats[of]}" for of in parts)
                     if taken != f"eddi_runtime.needs(__file__, {{{needed}}})":
                         self.differs(node, f"the runtime has the formats {needed}")
-                    new = "needs"
+                    new = ["needs"]
                 case ast.Assign() if taken in _CONSTANTS:
-                    new = taken[:3]
-                case ast.Assign(targets=[ast.Name(id=new)]) if new not in ("INF", "NAN"):
-                    self.values[new] = node.value
-                case ast.ClassDef(name=new, keywords=[], decorator_list=[]):
-                    self.classes[new] = Class(node)
-                case ast.FunctionDef(name=new, decorator_list=[]):
-                    self.functions[new] = node
+                    new = [taken[:3]]
+                case ast.Assign(targets=[ast.Name(id=name)]) if name not in ("INF", "NAN"):
+                    self.values[name], new = node.value, [name]
+                case ast.ClassDef(name=name, keywords=[], decorator_list=[]):
+                    self.classes[name], new = Class(node), [name]
+                case ast.FunctionDef(name=name, decorator_list=[]):
+                    self.functions[name], new = node, [name]
                 case _:
                     raise UnprovedError(node)
-            if names & {*new.split()}:
+            if names & {*new}:
                 raise UnprovedError(node, "a name has two meanings")
-            above.append((node, {*names}))
-            names |= {*new.split()}
+            names |= {*new}
         if "needs" not in names:
             raise UnprovedError(None, "it does not say which runtime it needs")
-        for node, before in above:
-            self._check_names(node, before, names)
-
-    def _check_names(self, node: ast.stmt, above: AbstractSet[str], all_: AbstractSet[str]) -> None:
-        """Refuse names that are not defined, and variables that hide what is called.
-
-        What runs when the module is loaded needs what is ``above`` it, a function ``all_``.
-        """
-        parts = node.body if isinstance(node, ast.ClassDef) else [node]
-        own = {ast.unparse(of.targets[0]) for of in parts if isinstance(of, ast.Assign)}
-        for part in parts:
-            is_function = isinstance(part, ast.FunctionDef)
-            own, used, called = set() if is_function else own, set[str](), {"INF", "NAN"}
-            for of in ast.walk(part):
-                match of:
-                    case ast.Name(ctx=ast.Store(), id=name) | ast.arg(arg=name):
-                        own.add(name)
-                    case ast.FunctionDef(name=name) if of is not part:
-                        own.add(name)
-                    case ast.Name(id=name):
-                        used.add(name)
-                    case ast.Call():
-                        called.add(ast.unparse(of.func).partition(".")[0])
-            if used - own - (all_ if is_function else above) - _BUILTINS:
-                raise UnprovedError(part, "it uses a name that is not defined")
-            if is_function and own & called & (all_ | _BUILTINS):
-                raise UnprovedError(part, "a variable hides what is called")
+        for node in tree.body:
+            _check_names(node, names | _BUILTINS)
 
     def differs(self, node: ast.AST | None, text: str) -> None:
         """Note a difference from the model."""
@@ -361,20 +369,18 @@ def read_inputs(
 ) -> list[str]:
     """Take the lines that read the inputs in order, each perhaps in another unit; return names.
 
-    ``kept`` is the form of the line that keeps what was read.
+    ``kept`` is the line that keeps what was read.
     """
     if not attributes:
         return []
-    form = "try:\n    raw = V\nexcept Exception:\n    raw = self.read(source)"
-    values = lines.take(form)["V"]
-    for (name, factor), element in zip(attributes, getattr(values, "elts", ()), strict=False):
-        read = (Call(f"source.{name}"), Call("getattr", (Call("source"), name)))
-        wanted = (
-            read if factor is None else [Call("expressions.scaled", (of, *factor)) for of in read]
-        )
-        if repr(data(element)) not in map(repr, wanted):
-            raise UnprovedError(element, f"it is not the input {name}")
-    if len(getattr(values, "elts", ())) != len(attributes):
-        raise UnprovedError(values, "other inputs are read")
-    lines.take(kept)
+    reads = [
+        reading(name)
+        if factor is None
+        else f"expressions.scaled({reading(name)}, {factor[0]}, {factor[1]})"
+        for name, factor in attributes
+    ]
+    values = f"({', '.join(reads)},)"
+    lines.expect(
+        f"try:\n    raw = {values}\nexcept Exception:\n    raw = self.read(source)\n{kept}"
+    )
     return unpacked(lines, "raw", len(attributes))

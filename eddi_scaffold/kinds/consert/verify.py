@@ -33,11 +33,10 @@ if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.options import ConSertOptions
 
 _GATES = {
-    "And": "R = A if A < B else B",
-    "And ": "if A < R:\n    R = A",
-    "Or": "R = A if A > B else B",
-    "Or ": "if A > R:\n    R = A",
-    "": "return V",
+    "R = A if A < B else B": "And",
+    "R = A if A > B else B": "Or",
+    "if A < R:\n    R = A": "And",
+    "if A > R:\n    R = A": "Or",
 }
 
 
@@ -99,11 +98,8 @@ class _Proof:
         services = [(service.id, service.members) for service in self.consert.provided_services]
         emitted.attribute(monitor, "services", tuple(services) or None)
         if self.options.filter:
-            name = f"filters.{self.options.filter.capitalize()}"
-            made = monitor.method("__init__", "self")
-            filter_ = made.take("super().__init__(F)")["F"]
-            emitted.same("the filter", filter_, Call(name, (self.options.filter_steps,)))
-            made.end()
+            filter_ = f"filters.{self.options.filter.capitalize()}({self.options.filter_steps})"
+            monitor.body("__init__", "self", f"super().__init__({filter_})")
         if "step" in monitor.methods or not numbers:
             self._step(monitor.method("step", "self, source"))
             if self.consert.guarantees:
@@ -199,14 +195,10 @@ class _Proof:
         kept = "self.raw, self._source = raw, source"
         names = read_inputs(lines, [(input_.attribute, None) for input_ in self.inputs], kept)
         for k, name in enumerate(names):
-            holes = lines.take(*self._judged(k, name))
-            if any(ast.unparse(of) != name for of in holes.values()):  # a name of one letter
-                raise UnprovedError(holes[name])
+            lines.expect(*self._judged(k, name))
         if self.options.filter and names:
-            tuple_ = lines.take("values = V")["V"]
-            self.emitted.same("what is filtered", tuple_, tuple(map(Call, names)))
-            if unpacked(lines, "self.filter.apply(values)", len(names)) != names:
-                raise UnprovedError(tuple_)
+            row = f"({', '.join(names)},)"
+            lines.expect(f"values = {row}\n{row} = self.filter.apply(values)")
         values = dict(zip(names, self.functions.leaves.values(), strict=True))
         values |= {"0": self.functions.constant[0], "2": self.functions.constant[1]}
 
@@ -215,46 +207,47 @@ class _Proof:
                 raise UnprovedError(node)
             return function
 
-        gate, holes = lines.which(_GATES)
-        while gate:
-            args = [value(holes["A"]), value(holes["B" if "B" in holes else "R"])]
-            values[ast.unparse(holes["R"])] = self.functions.gate(gate.strip(), args)
-            gate, holes = lines.which(_GATES)
+        while gates := [(op, of) for form, op in _GATES.items() if (of := lines.find(form))]:
+            for op, of in gates:
+                args = value(of["A"]), value(of["B" if "B" in of else "R"])
+                values[ast.unparse(of["R"])] = self.functions.gate(op, args)
+        returned = lines.take("return V")["V"]
         lines.end()
-        flags = getattr(holes["V"], "elts", ())
+        flags = getattr(returned, "elts", ())
         if len(flags) != len(self.consert.guarantees):
-            raise UnprovedError(holes["V"], "it returns other guarantees")
+            raise UnprovedError(returned, "it returns other guarantees")
         for flag, guarantee in zip(flags, self.consert.guarantees, strict=True):
             of = matched("A == 2", flag)
             if of is None:
                 raise UnprovedError(flag)
             self._compare(flag, value(of["A"]), guarantee.id)
 
-    def _judged(self, k: int, x: str) -> tuple[str, str]:
-        """Return how an input is judged: by the runtime, and quickly for common types."""
+    def _judged(self, k: int, x: str) -> Iterator[str]:
+        """Yield how an input is judged: by the runtime, or quickly for common types."""
         dimension, unknown = self.dimensions[k], f"1 if {x} is None else self.judge({k}, {x})"
-        test, known = f"type({x}) is float or type({x}) is int", ""
         if isinstance(dimension, BinaryDimension):
-            test, known = f"{x} is {dimension.value}", f"{x} = 2"
             unknown = f"0 if {x} is {not dimension.value} else {unknown}"
+            test, known = f"{x} is {dimension.value}", f"{x} = 2"
         elif isinstance(dimension, CategoricalDimension):
             texts = ", ".join(map(repr, dimension.covered))
             test, known = f"type({x}) is str", f"{x} = 2 if {x} in {{{texts}}} else 0"
         else:
+            test, known = f"type({x}) is float or type({x}) is int", ""
             for start, end, closed in self._ranges(k):
                 inside = f"{number(start)} <= {x} {'<=' if closed else '<'} {number(end)}"
                 known += f"{'el' if known else ''}if {inside}:\n        {x} = 2\n    "
+            known = known or "if False:\n        pass\n    "
             known += f"else:\n        {x} = 0 if {x} == {x} else 1"
-        return f"{x} = {unknown}", f"if {test}:\n    {known}\nelse:\n    {x} = {unknown}"
+        yield f"{x} = {unknown}"
+        yield f"if {test}:\n    {known}\nelse:\n    {x} = {unknown}"
 
     def _execute(self, lines: Lines) -> None:
-        lines.take("eddi_runtime.look_again(source, t_ns)")
+        lines.expect("eddi_runtime.look_again(source, t_ns)")
         guarantees = self.consert.guarantees
         names = unpacked(lines, "self.step(source)", len(guarantees))
-        lines.take("self.look(t_ns)")
         expected = [
             {"id": self.options.published(of.id), "active": Call(name)}
             for of, name in zip(guarantees, names, strict=True)
         ]
-        self.emitted.same("what a step returns", lines.take("return V")["V"], expected)
+        lines.expect(f"self.look(t_ns)\nreturn {expected!r}")
         lines.end()
