@@ -92,7 +92,19 @@ _CONVERTED = {
     "enum": "X = expressions.literal(X, L)",
     "text": "X = lists.number_in(X)",
 }
-_RESERVED = {"self", "source", "raw", "t", "age", "last", "messages", "ages", "outputs", *"abc"}
+_RESERVED = {
+    "_",
+    "self",
+    "source",
+    "raw",
+    "t",
+    "age",
+    "last",
+    "messages",
+    "ages",
+    "outputs",
+    *"abc",
+}
 _ABSORBING = ("add", "sub", "mul")  # an overflow stays one inside of sums and products
 _LONGEST = 112  # line; in longer ones `a`, `b` and `c` stand for operands
 
@@ -194,10 +206,18 @@ def _named(lines: Lines, value: str) -> str:
 
 
 def _follow(
-    of: Class, program: Program, names: Sequence[str], lines: Lines, arguments: str = ""
+    of: Class,
+    program: Program,
+    names: Sequence[str],
+    lines: Lines,
+    kept: Sequence[str] = (),
+    arguments: str = "",
 ) -> None:
-    """Take all that follows the lines that read, and the methods that belong to it."""
-    step, used = _Step(program, names), [*names]
+    """Take all that follows the lines that read, and the methods that belong to it.
+
+    ``kept`` are other names that are read.
+    """
+    step, used = _Step(program, names), [*names, *kept]
     used += [f"{x}_stamp" for x, read in zip(names, program.reads, strict=True) if read.stamped]
     results = {f"r{k}" for k in range(len(program.operations))}
     if len({*used} - _RESERVED - results) < len(used) or not all(map(str.isidentifier, used)):
@@ -211,18 +231,17 @@ def _follow(
         if read.reduction is not None:
             reduced(of, k, read.reduction)
     if step.windows:
-        windows, pushes = [], ""
+        windows, pushes = "", ""
         for place, (k, operation) in enumerate(step.windows.items()):
             last = _DECIDES.get(operation.op, operation.capacity)
-            need = operation.window - program.period
+            need, coverage = operation.window - program.period, operation.coverage
             new = f"{_WINDOWS[operation.op]}({operation.window}, {need}, {last})"
-            coverage = operation.coverage
-            windows.append(
-                new if coverage is None else f"window.Covered({new}, {number(coverage)})"
+            windows += (
+                f"window.Covered({new}, {coverage}), " if coverage is not None else f"{new}, "
             )
             pushes += f"self.w{k} = self.windows[{place}].push\n"
         taken = "".join(f", {name}=None" for name in arguments.split())
-        made = f"self.windows = ({', '.join(windows)},)\n{pushes}"
+        made = f"self.windows = ({windows})\n{pushes}"
         made += f"super().__init__({', '.join(arguments.split())})"
         of.body("__init__", f"self{taken}", made)
 
@@ -278,7 +297,8 @@ def of_inputs(
         names.append(name)
         if read.stamped:
             lines.expect(f"{name}_stamp = self.stamp(t, {used[0]!r})")
-    _follow(monitor, program, names, lines, arguments)
+    kept = {raw[of] for used in sources for of in used}.difference(names)
+    _follow(monitor, program, names, lines, [*kept], arguments)
 
 
 def needs_of(program: Program, inputs: Sequence[BoundInput]) -> list[tuple[int, ...]]:
@@ -364,5 +384,5 @@ def joined(programs: Sequence[Program]) -> Program:
         results.append(result._replace(operation=base + result.operation))
     parts: dict[str, Any] = {"reads": tuple(reads), "operations": tuple(operations)}
     parts["results"] = tuple(results)
-    empty: Any = SimpleNamespace(**parts)
+    empty: Any = SimpleNamespace(period=0, **parts)
     return programs[0]._replace(**parts) if programs else empty

@@ -1,7 +1,7 @@
 """The text of a ``compiled.py``: a closed list of forms, each statement taken by one of them.
 
 Nothing of it is executed. What no form takes is not proved; what a form takes is compared with the
-model. A form is Python in which single capital letters stand for any expression or attribute.
+model: as text, without comments and layout, or as data.
 """
 
 from __future__ import annotations
@@ -9,16 +9,15 @@ from __future__ import annotations
 import ast
 import builtins
 import keyword
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.monitor_text import Declaration
 
 _LONGEST = 40  # name that stands in a text as it is
-Holes = dict[str, Any]  # what the letters of a form stand for: expressions, names of attributes
 _MODULES = {
     **dict.fromkeys(("InputSpec", "expressions"), "eddi_runtime"),
     **dict.fromkeys(
@@ -26,9 +25,13 @@ _MODULES = {
     ),
 }
 """What is imported -> where it is; all other names are in the kind's module."""
-_CONSTANTS = ("INF = float('inf')", "NAN = float('nan')")
+_FIXED = {
+    "import eddi_runtime": "eddi_runtime",
+    "INF = float('inf')": "INF",
+    "NAN = float('nan')": "NAN",
+}
+_IMPORT = r"from ([\w.]+) import (\w+(?:, \w+)*)"
 _BUILTINS = {*vars(builtins), "__file__", "__spec__"}
-_PLACES = {"ctx", "kind", "type_comment", "type_params"}  # fields that decide nothing
 
 
 class Finding(NamedTuple):
@@ -84,60 +87,27 @@ def data(node: ast.expr) -> Any:
     raise UnprovedError(node)
 
 
-@cache
-def _parsed(form: str) -> Sequence[ast.stmt]:
-    return ast.parse(form).body
-
-
-def _is_hole(name: object) -> bool:
-    return isinstance(name, str) and len(name) == 1 and name.isupper()
-
-
-def _unify(form: Any, node: Any, holes: Holes) -> bool:
-    if isinstance(form, ast.Name) and _is_hole(form.id):
-        before = holes.setdefault(form.id, node)
-        if isinstance(before, ast.Name) and isinstance(node, ast.Name):
-            return before.id == node.id
-        return before is node or ast.unparse(before) == ast.unparse(node)
-    if isinstance(form, ast.Attribute) and _is_hole(form.attr):
-        is_same = isinstance(node, ast.Attribute) and _unify(form.value, node.value, holes)
-        return is_same and holes.setdefault(form.attr, node.attr) == node.attr
-    if type(form) is not type(node):
-        return False
-    if isinstance(form, ast.AST):
-        names = [name for name in form._fields if name not in _PLACES]
-        return all(_unify(getattr(form, name), getattr(node, name), holes) for name in names)
-    if isinstance(form, list):
-        return len(form) == len(node) and all(map(_unify, form, node, [holes] * len(form)))
-    return repr(form) == repr(node)
-
-
-def matched(form: str, node: ast.expr) -> Holes | None:
-    """Return what the letters of a form stand for in an expression."""
-    holes: Holes = {}
-    return holes if _unify(_parsed(form), [ast.Expr(node)], holes) else None
-
-
 class Lines:
     """The statements of a body, which are taken from the front."""
 
     def __init__(self, function: ast.FunctionDef) -> None:
         self.rest, self._end = [*function.body], function
 
-    def find(self, form: str) -> Holes | None:
-        """Take the next statements if they have a form."""
-        holes: Holes = {}
-        size = len(_parsed(form))
-        if not _unify(_parsed(form), self.rest[:size], holes):
+    def find(self, pattern: str) -> dict[str, str] | None:
+        """Take the next statement if its text has a pattern; return the groups."""
+        of = re.fullmatch(pattern, ast.unparse(self.rest[0])) if self.rest else None
+        if of is None:
             return None
-        del self.rest[:size]
-        return holes
+        del self.rest[0]
+        return of.groupdict()
 
-    def take(self, form: str) -> Holes:
-        """Take the next statements, which have this form."""
-        if (holes := self.find(form)) is None:
-            raise UnprovedError(self.rest[0] if self.rest else self._end)
-        return holes
+    def take(self, form: str) -> dict[str, ast.expr]:
+        """Take the last statement, which has the form ``return V``; return what V is."""
+        match self.rest:
+            case [ast.Return(value=ast.expr() as value)] if form == "return V":
+                self.rest = []
+                return {"V": value}
+        raise UnprovedError(self.rest[0] if self.rest else self._end)
 
     def expect(self, *texts: str) -> None:
         """Take the next statements, which are one of these texts."""
@@ -168,7 +138,9 @@ class Class:
             match of:
                 case ast.Assign(targets=[ast.Name(id=name)]) if name not in self.attributes:
                     self.attributes[name] = of.value
-                case ast.FunctionDef(name=name, decorator_list=[]) if name not in self.methods:
+                case ast.FunctionDef(name=name, decorator_list=[], returns=None) if (
+                    name not in self.methods
+                ):
                     self.methods[name] = of
                 case _:
                     raise UnprovedError(of)
@@ -244,18 +216,16 @@ class Emitted:
             raise UnprovedError(None, f"it is no Python: {error}") from None
         names, modules = set[str](), {**_MODULES, kind: "eddi_runtime"}
         for node in tree.body[1 if ast.get_docstring(tree) is not None else 0 :]:
-            is_small = not isinstance(node, ast.ClassDef | ast.FunctionDef)
-            taken, new = ast.unparse(node) if is_small else "", [""]
+            is_large = isinstance(node, ast.ClassDef | ast.FunctionDef)
+            taken = "" if is_large else ast.unparse(node)
+            new = [_FIXED.get(taken, "")]
             match node:
-                case ast.Import() if taken == "import eddi_runtime":
-                    new = ["eddi_runtime"]
-                case ast.ImportFrom(names=aliases, module=module, level=0) if all(
-                    module == modules.get(of.name, f"eddi_runtime.{kind}")
-                    and of.name.isidentifier()
-                    and of.asname is None
-                    for of in aliases
-                ):
-                    new = [of.name for of in aliases]
+                case _ if taken in _FIXED:
+                    pass
+                case ast.ImportFrom() if of := re.fullmatch(_IMPORT, taken):
+                    new = of[2].split(", ")
+                    if any(of[1] != modules.get(name, f"eddi_runtime.{kind}") for name in new):
+                        raise UnprovedError(node)
                 case ast.Expr() if taken.startswith("eddi_runtime.needs("):
                     more = ["expressions"] if names & {*_MODULES} - {"InputSpec"} else []
                     parts = ("eddi_runtime", kind, *more)
@@ -263,13 +233,11 @@ class Emitted:
                     if taken != f"eddi_runtime.needs(__file__, {{{needed}}})":
                         self.differs(node, f"the runtime has the formats {needed}")
                     new = ["needs"]
-                case ast.Assign() if taken in _CONSTANTS:
-                    new = [taken[:3]]
                 case ast.Assign(targets=[ast.Name(id=name)]) if name not in ("INF", "NAN"):
                     self.values[name], new = node.value, [name]
                 case ast.ClassDef(name=name, keywords=[], decorator_list=[]):
                     self.classes[name], new = Class(node), [name]
-                case ast.FunctionDef(name=name, decorator_list=[]):
+                case ast.FunctionDef(name=name, decorator_list=[], returns=None):
                     self.functions[name], new = node, [name]
                 case _:
                     raise UnprovedError(node)
@@ -354,13 +322,12 @@ def reading(attribute: str) -> str:
 
 def unpacked(lines: Lines, value: str, number: int) -> list[str]:
     """Take the line that takes a tuple apart; return the names, of which `_` is for nothing."""
-    names = lines.take(f"V = {value}")["V"]
+    names = getattr(lines.rest[0], "targets", lines.rest)[0]
     found = [of.id for of in getattr(names, "elts", ()) if isinstance(of, ast.Name)]
     used = [*(name for name in found if name != "_"), "self", "source", "raw", "t"]
-    if ast.unparse(names) != ast.unparse(ast.Tuple([ast.Name(name) for name in found])):
-        raise UnprovedError(names)
     if len(found) != number or len({*used}) != len(used):
         raise UnprovedError(names, "a name has two meanings")
+    lines.expect(f"({', '.join(found)},) = {value}")
     return found
 
 

@@ -263,10 +263,10 @@ class Schedule:
             raise UnprovedError(function)
         lines, functions, above = Lines(function), set[str](), list[ast.stmt]()
         while len(lines.rest) > 2 + bool(slots):
-            holes = lines.take("F = numpy.G")
-            functions.add(str(holes["G"]))
-            if ast.unparse(holes["F"]) != holes["G"]:
+            of = lines.find(r"(?P<name>\w+) = numpy\.(?P=name)")
+            if of is None:
                 raise UnprovedError(function)
+            functions.add(of["name"])
         names = unpacked(lines, "slots", len(slots)) if slots else []
         number = {name: k for k, name in enumerate(names)}
         inner, back = lines.rest

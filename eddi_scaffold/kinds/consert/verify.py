@@ -20,7 +20,6 @@ from eddi_scaffold.evidence.emitted import (
     Lines,
     UnprovedError,
     data,
-    matched,
     read_inputs,
     unpacked,
 )
@@ -32,12 +31,10 @@ from eddi_scaffold.kinds.consert.vectors import ConSertVectors, dimension_of, in
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.options import ConSertOptions
 
-_GATES = {
-    "R = A if A < B else B": "And",
-    "R = A if A > B else B": "Or",
-    "if A < R:\n    R = A": "And",
-    "if A > R:\n    R = A": "Or",
-}
+_GATES = (
+    r"(?P<r>\w+) = (?P<a>\w+) if (?P=a) (?P<sign>[<>]) (?P<b>\w+) else (?P=b)",
+    r"if (?P<a>\w+) (?P<sign>[<>]) (?P<r>\w+):\n    (?P=r) = (?P=a)",
+)
 
 
 class Functions:
@@ -138,10 +135,9 @@ class _Proof:
         node = monitor.attributes.pop("graph", None)
         if node is None:
             return []
-        holes = matched("search.Graph(inputs, R)", node)
-        if holes is None:
+        if not isinstance(node, ast.Call) or len(node.args) != 2:
             raise UnprovedError(node)
-        rows = data(holes["R"])
+        rows = data(node.args[1])
         names = [*self.functions.leaves, *(row[0] for row in rows)]
         numbers, inputs = {name: k for k, name in enumerate(names)}, self.consert.inputs
         if sorted(names) != sorted(inputs):
@@ -152,7 +148,9 @@ class _Proof:
             if any(source >= numbers[row[0]] for source in sources):
                 raise UnprovedError(node)
             expected.append((row[0], self.gates.get(row[0], "And"), sources))
-        self.emitted.same("the graph", holes["R"], tuple(expected))
+        self.emitted.same(
+            "the graph", node, Call("search.Graph", (Call("inputs"), tuple(expected)))
+        )
         return names
 
     def _guarantees(self, numbers: Sequence[str]) -> Iterator[Call]:
@@ -194,6 +192,8 @@ class _Proof:
     def _step(self, lines: Lines) -> None:
         kept = "self.raw, self._source = raw, source"
         names = read_inputs(lines, [(input_.attribute, None) for input_ in self.inputs], kept)
+        if names.count("_") > 1:
+            raise UnprovedError(None, "an input is not judged")
         for k, name in enumerate(names):
             lines.expect(*self._judged(k, name))
         if self.options.filter and names:
@@ -202,25 +202,19 @@ class _Proof:
         values = dict(zip(names, self.functions.leaves.values(), strict=True))
         values |= {"0": self.functions.constant[0], "2": self.functions.constant[1]}
 
-        def value(node: ast.AST) -> int:
-            if (function := values.get(ast.unparse(node))) is None:
-                raise UnprovedError(node)
-            return function
-
-        while gates := [(op, of) for form, op in _GATES.items() if (of := lines.find(form))]:
-            for op, of in gates:
-                args = value(of["A"]), value(of["B" if "B" in of else "R"])
-                values[ast.unparse(of["R"])] = self.functions.gate(op, args)
+        while gates := [of for form in _GATES if (of := lines.find(form)) is not None]:
+            for of in gates:
+                args = values[of["a"]], values[of.get("b", of["r"])]
+                values[of["r"]] = self.functions.gate("And" if of["sign"] == "<" else "Or", args)
         returned = lines.take("return V")["V"]
-        lines.end()
-        flags = getattr(returned, "elts", ())
+        flags = [*map(ast.unparse, getattr(returned, "elts", ()))]
         if len(flags) != len(self.consert.guarantees):
             raise UnprovedError(returned, "it returns other guarantees")
         for flag, guarantee in zip(flags, self.consert.guarantees, strict=True):
-            of = matched("A == 2", flag)
-            if of is None:
-                raise UnprovedError(flag)
-            self._compare(flag, value(of["A"]), guarantee.id)
+            name = flag.removesuffix(" == 2")
+            if flag == name or name not in values:
+                raise UnprovedError(returned)
+            self._compare(returned, values[name], guarantee.id)
 
     def _judged(self, k: int, x: str) -> Iterator[str]:
         """Yield how an input is judged: by the runtime, or quickly for common types."""
