@@ -1,7 +1,7 @@
 """Whether the text of conditions over messages and time is what their reader understood of them.
 
-The operations of the read conditions are followed in their order: each has one form, whose operands
-must be the values of its own. Events, inputs with an expression and triggers have this text.
+Each operation has a form, so the step is written from the read conditions, and compared as text.
+Events, inputs with an expression and triggers have this text.
 """
 
 from __future__ import annotations
@@ -13,15 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.evidence.emitted import (
-    Call,
-    Class,
-    Emitted,
-    Lines,
-    UnprovedError,
-    data,
-    read_inputs,
-)
+from eddi_scaffold.evidence.emitted import Class, Emitted, Lines, UnprovedError, read_inputs
 from eddi_scaffold.evidence.reductions import VALUES, number, reduced
 
 if TYPE_CHECKING:
@@ -100,188 +92,158 @@ _CONVERTED = {
     "enum": "X = expressions.literal(X, L)",
     "text": "X = lists.number_in(X)",
 }
-_RESERVED = {"self", "source", "raw", "t", "age", "last", "messages", "ages", "outputs", *"abc"}
+_RESERVED = {
+    "_",
+    "self",
+    "source",
+    "raw",
+    "t",
+    "age",
+    "last",
+    "messages",
+    "ages",
+    "outputs",
+    *"abc",
+}
 _ABSORBING = ("add", "sub", "mul")  # an overflow stays one inside of sums and products
+_LONGEST = 112  # line; in longer ones `a`, `b` and `c` stand for operands
 
 
-class Step:
-    """Follows the operations of conditions in a step; ``read`` takes the lines that read."""
+def _filled(form: str, **texts: object) -> str:
+    """Return a form with texts in place of its capital letters."""
+    return re.sub(r"\b[A-Z]\b", lambda of: str(texts[of[0]]), form)
 
-    def __init__(self, of: Class, program: Program, lines: Lines) -> None:
-        self.of, self.program, self.lines = of, program, lines
-        self.names: list[str] = []  # of each read
-        self.stamps: dict[int, str] = {}  # read -> name of its time
-        self._values: dict[str, int] = {}  # name -> the operation whose value it has
-        self._results: dict[int, str] = {}  # the same, the other way
-        self._states: dict[str, str] = {}  # attribute -> its value at the start
-        self._ages: dict[int, str] = {}  # read -> attribute with the time of a known sample
-        self._pushes: list[str] = []  # of the windows, in their order
-        self._finite = {result.operation for result in program.results}
-        for of_ in program.operations:
-            self._finite |= {*()} if of_.op in _ABSORBING else {*of_.args}
 
-    def take(self, *forms: str, **expected: str) -> dict[str, str]:
-        """Take the next statements if they have a form with these expressions; return all."""
-        at = self.lines.rest[0] if self.lines.rest else None
-        texts = {
-            letter: of if isinstance(of, str) else ast.unparse(of)
-            for letter, of in self.lines.take(*forms).items()
-        }
-        for letter, text in expected.items():
-            if texts[letter] != text:
-                raise UnprovedError(at, f"{texts[letter]} is not {text}")
-        return texts
+class _Step:
+    """The lines of a step from what is read into ``names``, and what it remembers."""
 
-    def called(self, read: int, *values: Any) -> None:
-        """Take the line that gives a read by a call."""
-        target = self.lines.rest[0] if self.lines.rest else None
-        value = self.lines.take("R = V")
-        if repr(data(value["V"])) != repr(Call(values[0], values[1:])):
-            raise UnprovedError(target, f"it does not read {self.program.reads[read].name}")
-        self.names.append(ast.unparse(value["R"]))
+    def __init__(self, program: Program, names: Sequence[str]) -> None:
+        self.program, self.operations, self.names = program, program.operations, names
+        self.finite = {result.operation for result in program.results}
+        self.finite.update(
+            arg for of in self.operations if of.op not in _ABSORBING for arg in of.args
+        )
+        self.states: dict[str, str] = {}  # attribute -> its value at the start
+        for k, of in enumerate(self.operations):
+            self.states |= {f"p{k}": _STARTS[of.op]} if of.op in _STARTS else {}
+            self.states |= {f"e{k}": "None"} if of.op == "elapsed" else {}
+            self.states |= {f"s{of.value}": "None"} if of.op == "age" else {}
+        self.windows = {k: of for k, of in enumerate(self.operations) if of.op in _WINDOWS}
 
-    def follow(self, arguments: str = "") -> None:
-        """Take all that follows the lines that read, and the methods that belong to it."""
-        ops = [operation.op for operation in self.program.operations]
-        has_windows = not _WINDOWS.keys().isdisjoint(ops)
-        begin = "windows" if has_windows else ""
-        if not has_windows and not {*_STARTS, "age"}.isdisjoint(ops):
-            begin = "state"
-        gap = {"N": str(5 * self.program.period)} if has_windows else {}
-        self.take(_BEGINS[begin], **gap)
-        if len({*self.names, *self.stamps.values()} - _RESERVED) < len([*self.names, *self.stamps]):
-            raise UnprovedError(self.of.node, "a name has two meanings")
+    def lines(self) -> Iterator[str]:
+        """Yield the lines."""
+        begin = "windows" if self.windows else "state" if self.states else ""
+        yield _filled(_BEGINS[begin], N=5 * self.program.period)
         for k, read in enumerate(self.program.reads):
-            self._bound(k, read)
-        for k, operation in enumerate(self.program.operations):
-            self._operation(k, operation)
-        outputs = self.lines.take("outputs = V\nself.outputs = outputs\nreturn outputs")["V"]
-        elements = getattr(outputs, "elts", ())
-        wanted = [self._text(result.operation) for result in self.program.results]
-        if [ast.unparse(of) for of in elements] != wanted:
-            raise UnprovedError(outputs, f"the results are {', '.join(wanted)}")
-        self.lines.end()
-        if self._states:
-            restart = self.of.method("restart", "self")
-            restart.take("super().restart()")
-            for _ in self._states:
-                made = restart.take("self.P = V")
-                if self._states.get(made["P"]) != ast.unparse(made["V"]):
-                    raise UnprovedError(made["V"], f"{made['P']} starts as another value")
-            restart.end()
-        for k, read in enumerate(self.program.reads):
-            if read.reduction is not None:
-                reduced(self.of, k, read.reduction)
-        if self._pushes:
-            self._constructed(arguments)
+            yield from self._bound(k, read)
+        for k, operation in enumerate(self.operations):
+            if operation.op not in ("variable", "number", "truth", "literal"):
+                args = [*map(self._value, operation.args)]
+                text, short = self._computed(k, operation, args), "abc"[: len(args)]
+                if max(map(len, text.split("\n"))) > _LONGEST:
+                    yield f"{', '.join(short)} = {', '.join(args)}"
+                    text = self._computed(k, operation, short)
+                yield text
+        outputs = "".join(f"{self._value(of.operation)}, " for of in self.program.results)
+        yield f"outputs = ({outputs})\nself.outputs = outputs\nreturn outputs"
 
-    def _constructed(self, arguments: str) -> None:
-        """Take the method that makes the windows."""
-        more = "".join(f", {name}=None" for name in arguments.split())
-        self.lines = self.of.method("__init__", f"self{more}")
-        windows, at = [], self.lines.take("self.windows = V")["V"]
-        for operation in self.program.operations:
-            if operation.op in _WINDOWS:
-                last = _DECIDES.get(operation.op, operation.capacity)
-                need = operation.window - self.program.period
-                new = Call(_WINDOWS[operation.op], (operation.window, need, last))
-                coverage = operation.coverage
-                windows.append(new if coverage is None else Call("window.Covered", (new, coverage)))
-        if repr(data(at)) != repr(tuple(windows)):
-            raise UnprovedError(at, f"the windows are {tuple(windows)!r}")
-        for place, push in enumerate(self._pushes):
-            self.take("self.W = self.windows[N].push", W=push, N=str(place))
-        self.lines.take(f"super().__init__({', '.join(arguments.split())})")
-        self.lines.end()
-
-    def _bound(self, k: int, read: Read) -> None:
-        """Take the lines that make a raw value one of its type, in its range, not too old."""
-        x, unknown = self.names[k], _UNKNOWN[read.type]
-        literals = {"L": repr(tuple(read.literals))} if read.type == "enum" else {}
-        self.take(_CONVERTED["text" if read.text else read.type], X=x, **literals)
+    def _bound(self, k: int, read: Read) -> Iterator[str]:
+        """Yield the lines that make a raw value one of its type, in its range, not too old."""
+        x, unknown, period = self.names[k], _UNKNOWN[read.type], self.program.period
+        yield _filled(_CONVERTED["text" if read.text else read.type], X=x, L=(*read.literals,))
         if read.type == "number" and not (read.infinite and read.range is None):
-            ends = dict(zip("LH", map(number, read.range or ()), strict=False))
-            inside = "L <= X <= H" if ends else "X - X == 0.0"
-            test = f"X - X == 0.0 and not {inside}" if read.infinite else f"not {inside}"
-            form = f"if {test}:\n    X = NAN"
-            other = f"a = X\nif {test.replace('X', 'a')}:\n    X = NAN"  # where lines are long
-            self.take(form, other, X=x, **ends)
-        if not read.stamped:
-            return
-        named = {"X": x, "S": self.stamps[k]}
-        form = f"if S > t:\n    if S - t > N:\n        X = {unknown}\n    S = t"
-        self.take(form, **named, N=str(self.program.period))
-        if any(of.op == "age" and of.value == k for of in self.program.operations):
-            taken = self.take(f"if {_KNOWN[read.type]}:\n    self.E = S", **named)
-            self._ages[k] = self._own(taken["E"])
-            self._states[taken["E"]] = "None"
-        if read.timeout is not None:
-            form = f"if t - S > N:\n    X = {unknown}"
-            self.take(form, **named, N=str(read.timeout))
+            low, high = map(number, read.range or (0.0, 0.0))
+            inside = f"{low} <= X <= {high}" if read.range else "X - X == 0.0"
+            test = f"if X - X == 0.0 and not {inside}:" if read.infinite else f"if not {inside}:"
+            is_long = len(_filled(test, X=x)) > _LONGEST
+            yield f"a = {x}" if is_long else ""
+            yield f"{_filled(test, X='a' if is_long else x)}\n    {x} = NAN"
+        stamp = f"{x}_stamp"
+        if read.stamped:
+            future = f"    if {stamp} - t > {period}:\n        {x} = {unknown}\n"
+            yield f"if {stamp} > t:\n{future}    {stamp} = t"
+            if f"s{k}" in self.states:
+                yield f"if {_filled(_KNOWN[read.type], X=x)}:\n    self.s{k} = {stamp}"
+            if read.timeout is not None:
+                yield f"if t - {stamp} > {read.timeout}:\n    {x} = {unknown}"
 
-    def _own(self, attribute: str) -> str:
-        """Return an attribute that remembers something of one operation, and of no other."""
-        if re.fullmatch("[a-z][0-9]+", attribute) is None or attribute in (
-            *self._states,
-            *self._pushes,
-        ):
-            raise UnprovedError(self.of.node, f"{attribute} has two meanings")
-        return attribute
-
-    def _text(self, k: int) -> str:
+    def _value(self, k: int) -> str:
         """Return the text of the value of an operation."""
-        operation = self.program.operations[k]
-        if operation.op == "variable":
-            return self.names[int(operation.value)]
-        if operation.op == "number":
-            return number(operation.value)
-        if operation.op in ("truth", "literal"):
-            return str(operation.value)
-        return self._results.get(k, "another value")
+        op, value = self.operations[k].op, self.operations[k].value
+        if op == "variable":
+            return self.names[int(value)]
+        if op == "number":
+            return f"({number(value)})" if number(value).startswith("-") else number(value)
+        return str(value) if op in ("truth", "literal") else f"r{k}"
 
-    def _operation(self, k: int, operation: Operation) -> None:
-        op, args = operation.op, operation.args
-        if op in ("variable", "number", "truth", "literal"):
-            return
-        operands = dict(zip("ABC", map(self._text, args), strict=False))
-        short = ", ".join("abc"[: len(args)])
-        if args and (taken := self.lines.find(f"{short} = {', '.join(operands)}")) is not None:
-            if any(ast.unparse(taken[letter]) != text for letter, text in operands.items()):
-                raise UnprovedError(taken["A"])
-            operands = dict(zip("ABC", short.split(", "), strict=False))  # where lines are long
+    def _computed(self, k: int, operation: Operation, args: Sequence[str]) -> str:
+        """Return the lines of an operation."""
+        op, result = operation.op, f"r{k}"
+        below = [self.operations[arg].infinite for arg in operation.args]
+        texts = dict(zip("ABC", args, strict=False)) | {"R": result, "P": f"p{k}"}
+        texts["E"] = f"s{operation.value}" if op == "age" else f"e{k}"
         if op in _WINDOWS:
-            below = self.program.operations[args[0]]
             sample = "NAN if A == 1 else A" if op == "count" else "A"
-            is_kept = operation.infinite or op in _DECIDES
-            if below.infinite and not is_kept:
+            if below[0] and not operation.infinite and op not in _DECIDES:
                 sample = "A if A - A == 0.0 else NAN"
-            form = f"R = self.W(t, age, {sample})"
-        else:
-            form = _FORMS[op]
-        if op == "div" and self.program.operations[args[1]].infinite:
+            return _filled(f"R = self.w{k}(t, age, {sample})", **texts)
+        form = _FORMS[op]
+        if op == "div" and below[1]:
             form = "R = A / B if B and B - B == 0.0 else NAN"
-        if op in ("and", "or"):
-            operands = dict([*operands.items()][:2])
-        if op == "age":
-            operands["E"] = self._ages[operation.value]
-        taken = self.take(form, **operands)
-        result = taken["R"]
-        if not result.isidentifier() or {result} & {*self.names, *self.stamps.values(), *_RESERVED}:
-            raise UnprovedError(self.of.node, f"{result} has two meanings")
-        for more in args[2:] if op in ("and", "or") else ():
-            sign = "<" if op == "and" else ">"
-            self.take(f"if A {sign} R:\n    R = A", R=result, A=self._text(more))
-        if "W" in taken:
-            self._pushes.append(self._own(taken["W"]))
-        if "P" in taken:
-            self._states[self._own(taken["P"])] = _STARTS[op]
-        if op == "elapsed":
-            self._states[self._own(taken["E"])] = "None"
-        is_finite = op == "neg" and not self.program.operations[args[0]].infinite
-        if op in ("add", "sub", "mul", "div", "neg") and not is_finite and k in self._finite:
-            self.take("if R - R != 0.0:\n    R = NAN", R=result)
-        self._results.pop(self._values.get(result, -1), None)
-        self._values[result], self._results[k] = k, result
+        is_calculated = op in ("add", "sub", "mul", "div") or (op == "neg" and below[0])
+        if is_calculated and k in self.finite:
+            form += "\nif R - R != 0.0:\n    R = NAN"
+        sign, rest = "<" if op == "and" else ">", args[2:] if op in ("and", "or") else ()
+        more = (f"\nif {of} {sign} {result}:\n    {result} = {of}" for of in rest)
+        return _filled(form, **texts) + "".join(more)
+
+
+def _named(lines: Lines, value: str) -> str:
+    """Take the line that gives a value a name; return the name."""
+    name = ast.unparse(getattr(lines.rest[0], "targets", lines.rest)[0])
+    lines.expect(f"{name} = {value}")
+    return name
+
+
+def _follow(
+    of: Class,
+    program: Program,
+    names: Sequence[str],
+    lines: Lines,
+    kept: Sequence[str] = (),
+    arguments: str = "",
+) -> None:
+    """Take all that follows the lines that read, and the methods that belong to it.
+
+    ``kept`` are other names that are read.
+    """
+    step, used = _Step(program, names), [*names, *kept]
+    used += [f"{x}_stamp" for x, read in zip(names, program.reads, strict=True) if read.stamped]
+    results = {f"r{k}" for k in range(len(program.operations))}
+    if len({*used} - _RESERVED - results) < len(used) or not all(map(str.isidentifier, used)):
+        raise UnprovedError(of.node, "a name has two meanings")
+    lines.expect("\n".join(step.lines()))
+    lines.end()
+    if step.states:
+        rows = "".join(f"self.{name} = {value}\n" for name, value in step.states.items())
+        of.body("restart", "self", f"super().restart()\n{rows}")
+    for k, read in enumerate(program.reads):
+        if read.reduction is not None:
+            reduced(of, k, read.reduction)
+    if step.windows:
+        windows, pushes = "", ""
+        for place, (k, operation) in enumerate(step.windows.items()):
+            last = _DECIDES.get(operation.op, operation.capacity)
+            need, coverage = operation.window - program.period, operation.coverage
+            new = f"{_WINDOWS[operation.op]}({operation.window}, {need}, {last})"
+            windows += (
+                f"window.Covered({new}, {coverage}), " if coverage is not None else f"{new}, "
+            )
+            pushes += f"self.w{k} = self.windows[{place}].push\n"
+        taken = "".join(f", {name}=None" for name in arguments.split())
+        made = f"self.windows = ({windows})\n{pushes}"
+        made += f"super().__init__({', '.join(arguments.split())})"
+        of.body("__init__", f"self{taken}", made)
 
 
 def parts_of(read: Read) -> dict[str, Any]:
@@ -320,22 +282,23 @@ def of_inputs(
         ids.index(of[0]) for of, read in zip(sources, program.reads, strict=True) if read.reduction
     ]
     emitted.attribute(monitor, "reductions", tuple(firsts) or None)
-    step = Step(monitor, program, monitor.method("step", "self, source, t"))
-    names = read_inputs(step.lines, [(of.attribute, of.factor) for of in inputs], "self.raw = raw")
-    raw = {id_: Call(name) for id_, name in zip(ids, names, strict=True)}
-    taken, reductions = set[str](), 0
+    lines = monitor.method("step", "self, source, t")
+    given = read_inputs(lines, [(of.attribute, of.factor) for of in inputs], "self.raw = raw")
+    raw = dict(zip(ids, given, strict=True))
+    names: list[str] = []
     for k, (read, used) in enumerate(zip(program.reads, sources, strict=True)):
+        name = raw[used[0]]
         if read.reduction is not None:
-            step.called(k, "self.reduce", reductions, Call(f"self.reduce_{k}"), *map(raw.get, used))
-            reductions += 1
-        elif used[0] in taken:
-            step.names.append(step.take("R = A", A=raw[used[0]].name)["R"])
-        else:
-            step.names.append(raw[used[0]].name)
-            taken.add(used[0])
+            values = ", ".join(raw[of] for of in used)
+            place = sum(of.reduction is not None for of in program.reads[:k])
+            name = _named(lines, f"self.reduce({place}, self.reduce_{k}, {values})")
+        elif name in names:
+            name = _named(lines, name)
+        names.append(name)
         if read.stamped:
-            step.stamps[k] = step.take("S = self.stamp(t, N)", N=repr(used[0]))["S"]
-    step.follow(arguments)
+            lines.expect(f"{name}_stamp = self.stamp(t, {used[0]!r})")
+    kept = {raw[of] for used in sources for of in used}.difference(names)
+    _follow(monitor, program, names, lines, [*kept], arguments)
 
 
 def needs_of(program: Program, inputs: Sequence[BoundInput]) -> list[tuple[int, ...]]:
@@ -369,12 +332,12 @@ def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> Non
     def word(name: str) -> str:
         return name.partition(".")[0].partition("[")[0]
 
-    def field(name: str) -> tuple[Any, ...]:
+    def field(name: str) -> list[Any]:
         path = paths.get(name)
         if path is None:
             pieces = name.replace("[", ".[").split(".")[1:]
             path = [int(piece[1:-1]) if piece.startswith("[") else piece for piece in pieces]
-        return tuple(map(_tuple, (path, *checks.get(name, ()))))
+        return [*map(_text, (path, *checks.get(name, ())))]
 
     sources = [[*parts_of(read)] for read in program.reads]
     named = {key: tuple(value) for key, value in document["names"].items()}
@@ -383,23 +346,26 @@ def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> Non
     emitted.attribute(of, "hazard", True if document.get("polarity") == "HAZARD" else None)
     emitted.attribute(of, "states", states or None)
     emitted.attribute(of, "names", named)
-    step = Step(of, program, of.method("step", "self, t, messages, ages"))
+    lines, names = of.method("step", "self, t, messages, ages"), list[str]()
     for k, (read, used) in enumerate(zip(program.reads, sources, strict=True)):
-        message, fields = word(used[0]), [*map(field, used)]
+        message, fields = repr(word(used[0])), [*map(field, used)]
         if read.reduction is None:
-            step.called(k, "self.field", Call("messages"), message, *fields[0])
+            value = f"self.field(messages, {message}, {', '.join(fields[0])})"
         else:
-            method = Call(f"self.reduce_{k}")
-            step.called(k, "self.reduce", k, method, Call("messages"), message, *fields)
+            columns = "".join(f", ({', '.join(of)},)" for of in fields)
+            value = f"self.reduce({k}, self.reduce_{k}, messages, {message}{columns})"
+        names.append(_named(lines, value))
         if read.stamped:
-            form = "S = expressions.stamp(t, ages.get(N))"
-            step.stamps[k] = step.take(form, N=repr(message))["S"]
-    step.follow()
+            lines.expect(f"{names[k]}_stamp = expressions.stamp(t, ages.get({message}))")
+    _follow(of, program, names, lines)
     emitted.end(of)
 
 
-def _tuple(value: Any) -> Any:
-    return tuple(map(_tuple, value)) if isinstance(value, list | tuple) else value
+def _text(value: Any) -> str:
+    """Return data as they stand in the text."""
+    if isinstance(value, list | tuple):
+        return f"({''.join(f'{_text(of)}, ' for of in value)})"
+    return number(value) if isinstance(value, float) else repr(value)
 
 
 def joined(programs: Sequence[Program]) -> Program:
@@ -418,5 +384,5 @@ def joined(programs: Sequence[Program]) -> Program:
         results.append(result._replace(operation=base + result.operation))
     parts: dict[str, Any] = {"reads": tuple(reads), "operations": tuple(operations)}
     parts["results"] = tuple(results)
-    empty: Any = SimpleNamespace(**parts)
+    empty: Any = SimpleNamespace(period=0, **parts)
     return programs[0]._replace(**parts) if programs else empty

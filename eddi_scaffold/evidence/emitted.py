@@ -1,7 +1,7 @@
 """The text of a ``compiled.py``: a closed list of forms, each statement taken by one of them.
 
 Nothing of it is executed. What no form takes is not proved; what a form takes is compared with the
-model. A form is Python in which single capital letters stand for any expression or attribute.
+model: as text, without comments and layout, or as data.
 """
 
 from __future__ import annotations
@@ -9,24 +9,29 @@ from __future__ import annotations
 import ast
 import builtins
 import keyword
-from collections import deque
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from functools import cache
-from itertools import islice, zip_longest
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.monitor_text import Declaration
 
 _LONGEST = 40  # name that stands in a text as it is
-Key = TypeVar("Key")
-Holes = dict[str, Any]  # what the letters of a form stand for: expressions, names of attributes
-EXPRESSIONS = ("expression", "hold", "lists", "stacks", "window", "windows")
-"""Modules of the runtime below ``eddi_runtime.expressions``; all others are below the kind's."""
-_CONSTANTS = ("INF = float('inf')", "NAN = float('nan')")
+_MODULES = {
+    **dict.fromkeys(("InputSpec", "expressions"), "eddi_runtime"),
+    **dict.fromkeys(
+        ("expression", "hold", "lists", "stacks", "window", "windows"), "eddi_runtime.expressions"
+    ),
+}
+"""What is imported -> where it is; all other names are in the kind's module."""
+_FIXED = {
+    "import eddi_runtime": "eddi_runtime",
+    "INF = float('inf')": "INF",
+    "NAN = float('nan')": "NAN",
+}
+_IMPORT = r"from ([\w.]+) import (\w+(?:, \w+)*)"
 _BUILTINS = {*vars(builtins), "__file__", "__spec__"}
-_PLACES = {"ctx", "kind", "type_comment", "type_params"}  # fields that decide nothing
 
 
 class Finding(NamedTuple):
@@ -82,66 +87,39 @@ def data(node: ast.expr) -> Any:
     raise UnprovedError(node)
 
 
-@cache
-def _parsed(form: str) -> Sequence[ast.stmt]:
-    return ast.parse(form).body
-
-
-def _is_hole(name: object) -> bool:
-    return isinstance(name, str) and len(name) == 1 and name.isupper()
-
-
-def _unify(form: Any, node: Any, holes: Holes) -> bool:
-    if isinstance(form, ast.Name) and _is_hole(form.id):
-        before = holes.setdefault(form.id, node)
-        if isinstance(before, ast.Name) and isinstance(node, ast.Name):
-            return before.id == node.id
-        return before is node or ast.unparse(before) == ast.unparse(node)
-    if isinstance(form, ast.Attribute) and _is_hole(form.attr):
-        is_same = isinstance(node, ast.Attribute) and _unify(form.value, node.value, holes)
-        return is_same and holes.setdefault(form.attr, node.attr) == node.attr
-    if type(form) is not type(node):
-        return False
-    if isinstance(form, ast.AST):
-        names = [name for name in form._fields if name not in _PLACES]
-        return all(_unify(getattr(form, name), getattr(node, name), holes) for name in names)
-    if isinstance(form, list):
-        return len(form) == len(node) and all(map(_unify, form, node, [holes] * len(form)))
-    return repr(form) == repr(node)
-
-
-def matched(form: str, node: ast.expr) -> Holes | None:
-    """Return what the letters of a form stand for in an expression."""
-    holes: Holes = {}
-    return holes if _unify(_parsed(form), [ast.Expr(node)], holes) else None
-
-
 class Lines:
     """The statements of a body, which are taken from the front."""
 
     def __init__(self, function: ast.FunctionDef) -> None:
-        self.rest, self._end = deque(function.body), function
+        self.rest, self._end = [*function.body], function
 
-    def find(self, form: str) -> Holes | None:
-        """Take the next statements if they have a form."""
-        holes: Holes = {}
-        size = len(_parsed(form))
-        if not _unify(_parsed(form), [*islice(self.rest, size)], holes):
+    def find(self, pattern: str) -> dict[str, str] | None:
+        """Take the next statement if its text has a pattern; return the groups."""
+        of = re.fullmatch(pattern, ast.unparse(self.rest[0])) if self.rest else None
+        if of is None:
             return None
-        for _ in range(size):
-            self.rest.popleft()
-        return holes
+        del self.rest[0]
+        return of.groupdict()
 
-    def which(self, forms: Mapping[Key, str]) -> tuple[Key, Holes]:
-        """Take the next statements, and return which of some forms they have."""
-        for key, form in forms.items():
-            if (holes := self.find(form)) is not None:
-                return key, holes
+    def take(self, form: str) -> dict[str, ast.expr]:
+        """Take the last statement, which has the form ``return V``; return what V is."""
+        match self.rest:
+            case [ast.Return(value=ast.expr() as value)] if form == "return V":
+                self.rest = []
+                return {"V": value}
         raise UnprovedError(self.rest[0] if self.rest else self._end)
 
-    def take(self, *forms: str) -> Holes:
-        """Take the next statements, which have one of these forms."""
-        return self.which(dict(enumerate(forms)))[1]
+    def expect(self, *texts: str) -> None:
+        """Take the next statements, which are one of these texts."""
+        for text in texts[:-1]:
+            wanted = [*map(ast.unparse, ast.parse(text).body)]
+            if [*map(ast.unparse, self.rest[: len(wanted)])] == wanted:
+                del self.rest[: len(wanted)]
+                return
+        for of in ast.parse(texts[-1]).body:
+            got = self.rest.pop(0) if self.rest else self._end
+            if ast.unparse(got) != ast.unparse(of):
+                raise UnprovedError(got, f"it is not as the model says: {ast.unparse(of)!r}")
 
     def end(self) -> None:
         """Refuse further statements."""
@@ -160,7 +138,9 @@ class Class:
             match of:
                 case ast.Assign(targets=[ast.Name(id=name)]) if name not in self.attributes:
                     self.attributes[name] = of.value
-                case ast.FunctionDef(name=name, decorator_list=[]) if name not in self.methods:
+                case ast.FunctionDef(name=name, decorator_list=[], returns=None) if (
+                    name not in self.methods
+                ):
                     self.methods[name] = of
                 case _:
                     raise UnprovedError(of)
@@ -174,12 +154,38 @@ class Class:
 
     def body(self, name: str, arguments: str, expected: str) -> None:
         """Take a method that has these arguments and these lines."""
-        function = self.methods.pop(name, None)
-        if function is None or ast.unparse(function.args) != arguments:
-            raise UnprovedError(function or self.node, f"there is no method {name}")
-        for got, wanted in zip_longest(function.body, ast.parse(expected).body):
-            if got is None or wanted is None or ast.unparse(got) != ast.unparse(wanted):
-                raise UnprovedError(got or function, "it is not as the model says")
+        lines = self.method(name, arguments)
+        lines.expect(expected)
+        lines.end()
+
+
+def _check_names(node: ast.stmt, defined: AbstractSet[str]) -> None:
+    """Refuse names that are not defined, and variables that hide what is called.
+
+    Whether they are defined above their use is seen when the module is loaded.
+    """
+    parts: list[ast.AST] = [node]
+    attributes = set[str]()
+    if isinstance(node, ast.ClassDef):
+        parts = [*node.bases, *node.body]
+        attributes = {ast.unparse(of.targets[0]) for of in node.body if isinstance(of, ast.Assign)}
+    for part in parts:
+        own, used, called = set[str](), set[str](), {"INF", "NAN"}
+        for of in ast.walk(part):
+            match of:
+                case ast.Name(ctx=ast.Store(), id=name) | ast.arg(arg=name):
+                    own.add(name)
+                case ast.FunctionDef(name=name) if of is not part:
+                    own.add(name)
+                case ast.Name(id=name):
+                    used.add(name)
+                case ast.Call():
+                    called.add(ast.unparse(of.func).partition(".")[0])
+        own |= set() if isinstance(part, ast.FunctionDef) else attributes
+        if used - own - defined:
+            raise UnprovedError(part, "it uses a name that is not defined")
+        if isinstance(part, ast.FunctionDef) and own & called & defined:
+            raise UnprovedError(part, "a variable hides what is called")
 
 
 class Emitted:
@@ -208,70 +214,40 @@ class Emitted:
             tree = ast.parse(text)
         except (SyntaxError, ValueError, RecursionError) as error:
             raise UnprovedError(None, f"it is no Python: {error}") from None
-        names, above = set[str](), list[tuple[ast.stmt, set[str]]]()
+        names, modules = set[str](), {**_MODULES, kind: "eddi_runtime"}
         for node in tree.body[1 if ast.get_docstring(tree) is not None else 0 :]:
-            is_small = not isinstance(node, ast.ClassDef | ast.FunctionDef)
-            taken, new = ast.unparse(node) if is_small else "", ""
+            is_large = isinstance(node, ast.ClassDef | ast.FunctionDef)
+            taken = "" if is_large else ast.unparse(node)
+            new = [_FIXED.get(taken, "")]
             match node:
-                case ast.Import() if taken == "import eddi_runtime":
-                    new = "eddi_runtime"
-                case ast.ImportFrom():
-                    new = " ".join(alias.name for alias in node.names)
-                    part = "expressions" if {*new.split()} & {*EXPRESSIONS} else kind
-                    is_part = {*new.split()} <= {"InputSpec", "expressions", kind}
-                    module = "eddi_runtime" if is_part else f"eddi_runtime.{part}"
-                    if taken != f"from {module} import {', '.join(new.split())}":
+                case _ if taken in _FIXED:
+                    pass
+                case ast.ImportFrom() if of := re.fullmatch(_IMPORT, taken):
+                    new = of[2].split(", ")
+                    if any(of[1] != modules.get(name, f"eddi_runtime.{kind}") for name in new):
                         raise UnprovedError(node)
                 case ast.Expr() if taken.startswith("eddi_runtime.needs("):
-                    more = ["expressions"] if names & {"expressions", *EXPRESSIONS} else []
+                    more = ["expressions"] if names & {*_MODULES} - {"InputSpec"} else []
                     parts = ("eddi_runtime", kind, *more)
                     needed = ", ".join(f"{of}: {formats[of]}" for of in parts)
                     if taken != f"eddi_runtime.needs(__file__, {{{needed}}})":
                         self.differs(node, f"the runtime has the formats {needed}")
-                    new = "needs"
-                case ast.Assign() if taken in _CONSTANTS:
-                    new = taken[:3]
-                case ast.Assign(targets=[ast.Name(id=new)]) if new not in ("INF", "NAN"):
-                    self.values[new] = node.value
-                case ast.ClassDef(name=new, keywords=[], decorator_list=[]):
-                    self.classes[new] = Class(node)
-                case ast.FunctionDef(name=new, decorator_list=[]):
-                    self.functions[new] = node
+                    new = ["needs"]
+                case ast.Assign(targets=[ast.Name(id=name)]) if name not in ("INF", "NAN"):
+                    self.values[name], new = node.value, [name]
+                case ast.ClassDef(name=name, keywords=[], decorator_list=[]):
+                    self.classes[name], new = Class(node), [name]
+                case ast.FunctionDef(name=name, decorator_list=[], returns=None):
+                    self.functions[name], new = node, [name]
                 case _:
                     raise UnprovedError(node)
-            if names & {*new.split()}:
+            if names & {*new}:
                 raise UnprovedError(node, "a name has two meanings")
-            above.append((node, {*names}))
-            names |= {*new.split()}
+            names |= {*new}
         if "needs" not in names:
             raise UnprovedError(None, "it does not say which runtime it needs")
-        for node, before in above:
-            self._check_names(node, before, names)
-
-    def _check_names(self, node: ast.stmt, above: AbstractSet[str], all_: AbstractSet[str]) -> None:
-        """Refuse names that are not defined, and variables that hide what is called.
-
-        What runs when the module is loaded needs what is ``above`` it, a function ``all_``.
-        """
-        parts = node.body if isinstance(node, ast.ClassDef) else [node]
-        own = {ast.unparse(of.targets[0]) for of in parts if isinstance(of, ast.Assign)}
-        for part in parts:
-            is_function = isinstance(part, ast.FunctionDef)
-            own, used, called = set() if is_function else own, set[str](), {"INF", "NAN"}
-            for of in ast.walk(part):
-                match of:
-                    case ast.Name(ctx=ast.Store(), id=name) | ast.arg(arg=name):
-                        own.add(name)
-                    case ast.FunctionDef(name=name) if of is not part:
-                        own.add(name)
-                    case ast.Name(id=name):
-                        used.add(name)
-                    case ast.Call():
-                        called.add(ast.unparse(of.func).partition(".")[0])
-            if used - own - (all_ if is_function else above) - _BUILTINS:
-                raise UnprovedError(part, "it uses a name that is not defined")
-            if is_function and own & called & (all_ | _BUILTINS):
-                raise UnprovedError(part, "a variable hides what is called")
+        for node in tree.body:
+            _check_names(node, names | _BUILTINS)
 
     def differs(self, node: ast.AST | None, text: str) -> None:
         """Note a difference from the model."""
@@ -346,13 +322,12 @@ def reading(attribute: str) -> str:
 
 def unpacked(lines: Lines, value: str, number: int) -> list[str]:
     """Take the line that takes a tuple apart; return the names, of which `_` is for nothing."""
-    names = lines.take(f"V = {value}")["V"]
+    names = getattr(lines.rest[0], "targets", lines.rest)[0]
     found = [of.id for of in getattr(names, "elts", ()) if isinstance(of, ast.Name)]
     used = [*(name for name in found if name != "_"), "self", "source", "raw", "t"]
-    if ast.unparse(names) != ast.unparse(ast.Tuple([ast.Name(name) for name in found])):
-        raise UnprovedError(names)
     if len(found) != number or len({*used}) != len(used):
         raise UnprovedError(names, "a name has two meanings")
+    lines.expect(f"({', '.join(found)},) = {value}")
     return found
 
 
@@ -361,20 +336,18 @@ def read_inputs(
 ) -> list[str]:
     """Take the lines that read the inputs in order, each perhaps in another unit; return names.
 
-    ``kept`` is the form of the line that keeps what was read.
+    ``kept`` is the line that keeps what was read.
     """
     if not attributes:
         return []
-    form = "try:\n    raw = V\nexcept Exception:\n    raw = self.read(source)"
-    values = lines.take(form)["V"]
-    for (name, factor), element in zip(attributes, getattr(values, "elts", ()), strict=False):
-        read = (Call(f"source.{name}"), Call("getattr", (Call("source"), name)))
-        wanted = (
-            read if factor is None else [Call("expressions.scaled", (of, *factor)) for of in read]
-        )
-        if repr(data(element)) not in map(repr, wanted):
-            raise UnprovedError(element, f"it is not the input {name}")
-    if len(getattr(values, "elts", ())) != len(attributes):
-        raise UnprovedError(values, "other inputs are read")
-    lines.take(kept)
+    reads = [
+        reading(name)
+        if factor is None
+        else f"expressions.scaled({reading(name)}, {factor[0]}, {factor[1]})"
+        for name, factor in attributes
+    ]
+    values = f"({', '.join(reads)},)"
+    lines.expect(
+        f"try:\n    raw = {values}\nexcept Exception:\n    raw = self.read(source)\n{kept}"
+    )
     return unpacked(lines, "raw", len(attributes))

@@ -70,7 +70,7 @@ def test_each_statement_is_needed(name: str, tmp_path: Path) -> None:
     [
         ("state_machine", "initial=True", "fail=True", "states 1 is state_machine.State"),
         ("state_machine", "hold=2000000000", "hold=2", "evidence 2 is state_machine.Evidence"),
-        ("state_machine", "outputs = (r3, r6", "outputs = (r6, r3", "the results are"),
+        ("state_machine", "outputs = (r3, r6", "outputs = (r6, r3", "it is not as the model says"),
         ("safeml", "threshold = 6", "threshold = 7", "threshold is 7.87807403"),
         ("safeml", "14.112", "14.113", "axes is safeml.Axes((("),
         ("safeml", '"b08e', '"b08f', "reference is safeml.Table("),

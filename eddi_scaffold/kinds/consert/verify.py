@@ -20,7 +20,6 @@ from eddi_scaffold.evidence.emitted import (
     Lines,
     UnprovedError,
     data,
-    matched,
     read_inputs,
     unpacked,
 )
@@ -32,13 +31,10 @@ from eddi_scaffold.kinds.consert.vectors import ConSertVectors, dimension_of, in
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.options import ConSertOptions
 
-_GATES = {
-    "And": "R = A if A < B else B",
-    "And ": "if A < R:\n    R = A",
-    "Or": "R = A if A > B else B",
-    "Or ": "if A > R:\n    R = A",
-    "": "return V",
-}
+_GATES = (
+    r"(?P<r>\w+) = (?P<a>\w+) if (?P=a) (?P<sign>[<>]) (?P<b>\w+) else (?P=b)",
+    r"if (?P<a>\w+) (?P<sign>[<>]) (?P<r>\w+):\n    (?P=r) = (?P=a)",
+)
 
 
 class Functions:
@@ -99,11 +95,8 @@ class _Proof:
         services = [(service.id, service.members) for service in self.consert.provided_services]
         emitted.attribute(monitor, "services", tuple(services) or None)
         if self.options.filter:
-            name = f"filters.{self.options.filter.capitalize()}"
-            made = monitor.method("__init__", "self")
-            filter_ = made.take("super().__init__(F)")["F"]
-            emitted.same("the filter", filter_, Call(name, (self.options.filter_steps,)))
-            made.end()
+            filter_ = f"filters.{self.options.filter.capitalize()}({self.options.filter_steps})"
+            monitor.body("__init__", "self", f"super().__init__({filter_})")
         if "step" in monitor.methods or not numbers:
             self._step(monitor.method("step", "self, source"))
             if self.consert.guarantees:
@@ -142,10 +135,9 @@ class _Proof:
         node = monitor.attributes.pop("graph", None)
         if node is None:
             return []
-        holes = matched("search.Graph(inputs, R)", node)
-        if holes is None:
+        if not isinstance(node, ast.Call) or len(node.args) != 2:
             raise UnprovedError(node)
-        rows = data(holes["R"])
+        rows = data(node.args[1])
         names = [*self.functions.leaves, *(row[0] for row in rows)]
         numbers, inputs = {name: k for k, name in enumerate(names)}, self.consert.inputs
         if sorted(names) != sorted(inputs):
@@ -156,7 +148,9 @@ class _Proof:
             if any(source >= numbers[row[0]] for source in sources):
                 raise UnprovedError(node)
             expected.append((row[0], self.gates.get(row[0], "And"), sources))
-        self.emitted.same("the graph", holes["R"], tuple(expected))
+        self.emitted.same(
+            "the graph", node, Call("search.Graph", (Call("inputs"), tuple(expected)))
+        )
         return names
 
     def _guarantees(self, numbers: Sequence[str]) -> Iterator[Call]:
@@ -198,63 +192,56 @@ class _Proof:
     def _step(self, lines: Lines) -> None:
         kept = "self.raw, self._source = raw, source"
         names = read_inputs(lines, [(input_.attribute, None) for input_ in self.inputs], kept)
+        if names.count("_") > 1:
+            raise UnprovedError(None, "an input is not judged")
         for k, name in enumerate(names):
-            holes = lines.take(*self._judged(k, name))
-            if any(ast.unparse(of) != name for of in holes.values()):  # a name of one letter
-                raise UnprovedError(holes[name])
+            lines.expect(*self._judged(k, name))
         if self.options.filter and names:
-            tuple_ = lines.take("values = V")["V"]
-            self.emitted.same("what is filtered", tuple_, tuple(map(Call, names)))
-            if unpacked(lines, "self.filter.apply(values)", len(names)) != names:
-                raise UnprovedError(tuple_)
+            row = f"({', '.join(names)},)"
+            lines.expect(f"values = {row}\n{row} = self.filter.apply(values)")
         values = dict(zip(names, self.functions.leaves.values(), strict=True))
         values |= {"0": self.functions.constant[0], "2": self.functions.constant[1]}
 
-        def value(node: ast.AST) -> int:
-            if (function := values.get(ast.unparse(node))) is None:
-                raise UnprovedError(node)
-            return function
-
-        gate, holes = lines.which(_GATES)
-        while gate:
-            args = [value(holes["A"]), value(holes["B" if "B" in holes else "R"])]
-            values[ast.unparse(holes["R"])] = self.functions.gate(gate.strip(), args)
-            gate, holes = lines.which(_GATES)
-        lines.end()
-        flags = getattr(holes["V"], "elts", ())
+        while gates := [of for form in _GATES if (of := lines.find(form)) is not None]:
+            for of in gates:
+                args = values[of["a"]], values[of.get("b", of["r"])]
+                values[of["r"]] = self.functions.gate("And" if of["sign"] == "<" else "Or", args)
+        returned = lines.take("return V")["V"]
+        flags = [*map(ast.unparse, getattr(returned, "elts", ()))]
         if len(flags) != len(self.consert.guarantees):
-            raise UnprovedError(holes["V"], "it returns other guarantees")
+            raise UnprovedError(returned, "it returns other guarantees")
         for flag, guarantee in zip(flags, self.consert.guarantees, strict=True):
-            of = matched("A == 2", flag)
-            if of is None:
-                raise UnprovedError(flag)
-            self._compare(flag, value(of["A"]), guarantee.id)
+            name = flag.removesuffix(" == 2")
+            if flag == name or name not in values:
+                raise UnprovedError(returned)
+            self._compare(returned, values[name], guarantee.id)
 
-    def _judged(self, k: int, x: str) -> tuple[str, str]:
-        """Return how an input is judged: by the runtime, and quickly for common types."""
+    def _judged(self, k: int, x: str) -> Iterator[str]:
+        """Yield how an input is judged: by the runtime, or quickly for common types."""
         dimension, unknown = self.dimensions[k], f"1 if {x} is None else self.judge({k}, {x})"
-        test, known = f"type({x}) is float or type({x}) is int", ""
         if isinstance(dimension, BinaryDimension):
-            test, known = f"{x} is {dimension.value}", f"{x} = 2"
             unknown = f"0 if {x} is {not dimension.value} else {unknown}"
+            test, known = f"{x} is {dimension.value}", f"{x} = 2"
         elif isinstance(dimension, CategoricalDimension):
             texts = ", ".join(map(repr, dimension.covered))
             test, known = f"type({x}) is str", f"{x} = 2 if {x} in {{{texts}}} else 0"
         else:
+            test, known = f"type({x}) is float or type({x}) is int", ""
             for start, end, closed in self._ranges(k):
                 inside = f"{number(start)} <= {x} {'<=' if closed else '<'} {number(end)}"
                 known += f"{'el' if known else ''}if {inside}:\n        {x} = 2\n    "
+            known = known or "if False:\n        pass\n    "
             known += f"else:\n        {x} = 0 if {x} == {x} else 1"
-        return f"{x} = {unknown}", f"if {test}:\n    {known}\nelse:\n    {x} = {unknown}"
+        yield f"{x} = {unknown}"
+        yield f"if {test}:\n    {known}\nelse:\n    {x} = {unknown}"
 
     def _execute(self, lines: Lines) -> None:
-        lines.take("eddi_runtime.look_again(source, t_ns)")
+        lines.expect("eddi_runtime.look_again(source, t_ns)")
         guarantees = self.consert.guarantees
         names = unpacked(lines, "self.step(source)", len(guarantees))
-        lines.take("self.look(t_ns)")
         expected = [
             {"id": self.options.published(of.id), "active": Call(name)}
             for of, name in zip(guarantees, names, strict=True)
         ]
-        self.emitted.same("what a step returns", lines.take("return V")["V"], expected)
+        lines.expect(f"self.look(t_ns)\nreturn {expected!r}")
         lines.end()
