@@ -68,7 +68,7 @@ class _Mission:
         """Return the probability that each model fails; ``None`` where it is not known."""
         self.passed, self.age, self.is_consistent = passed, self.age + passed, True
         known: dict[str, D | None] = {}
-        for of in self.models:
+        for of in self.models:  # each behind those that it uses
             known[of.name] = getattr(self, f"_{of.type}")(of, given, known)
         return known
 
@@ -76,12 +76,8 @@ class _Mission:
         return exact.after(chain, self.horizon, frozenset(chain.fail))
 
     def _series(self, model: ComponentModel, _: Values, known: Known) -> D | None:
-        parts = [known[name] for name in model.uses]
-        return (
-            None
-            if None in parts
-            else 1 - math.prod((1 - part for part in parts if part), start=D(1))
-        )
+        works = [1 - p for name in model.uses if (p := known[name]) is not None]
+        return 1 - math.prod(works, start=D(1)) if len(works) == len(model.uses) else None
 
     def _k_out_of_n(self, model: ComponentModel, given: Values, _: Known) -> D | None:
         n, k = given[input_id(model.name, "available")], model.values["k"]
