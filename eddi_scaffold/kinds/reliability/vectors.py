@@ -68,7 +68,7 @@ class _Mission:
         """Return the probability that each model fails; ``None`` where it is not known."""
         self.passed, self.age, self.is_consistent = passed, self.age + passed, True
         known: dict[str, D | None] = {}
-        for of in self.models:
+        for of in self.models:  # each behind those that it uses
             known[of.name] = getattr(self, f"_{of.type}")(of, given, known)
         return known
 
@@ -76,12 +76,8 @@ class _Mission:
         return exact.after(chain, self.horizon, frozenset(chain.fail))
 
     def _series(self, model: ComponentModel, _: Values, known: Known) -> D | None:
-        parts = [known[name] for name in model.uses]
-        return (
-            None
-            if None in parts
-            else 1 - math.prod((1 - part for part in parts if part), start=D(1))
-        )
+        works = [1 - p for name in model.uses if (p := known[name]) is not None]
+        return 1 - math.prod(works, start=D(1)) if len(works) == len(model.uses) else None
 
     def _k_out_of_n(self, model: ComponentModel, given: Values, _: Known) -> D | None:
         n, k = given[input_id(model.name, "available")], model.values["k"]
@@ -120,10 +116,9 @@ class _Mission:
             for state, end in enumerate(ends)
         ]
         is_missing = any(value is None for _, value, _ in told)
-        if told and belief and not any(p for k, p in enumerate(belief) if k not in chain.fail):
-            if of.repair or is_missing or not kept & {*chain.fail}:
-                raise TooMuchError  # what follows a failure that was seen
-            return D(1)
+        has_failed = belief and not any(p for k, p in enumerate(belief) if k not in chain.fail)
+        if told and has_failed and (of.repair or is_missing or not kept & {*chain.fail}):
+            raise TooMuchError  # it works again, or may
         ahead = self._ahead(chain)
         if is_missing:
             belief = None
@@ -142,8 +137,7 @@ class _Mission:
         tree, name = model.content, model.name
         assert isinstance(tree, FaultTree)
         if name not in self.memory:
-            names = {key: exact.variable(tree, key) for key in tree.events}
-            events = {key: variables([of])[0] for key, of in names.items()}
+            events = {key: variables([exact.variable(tree, key)])[0] for key in tree.events}
             self.memory[name] = exact.structure(tree, events)
         terms, chances = self.memory[name], dict[str, D | None]()
         if len(terms) > _MOST_TERMS or tree.approximate:
@@ -178,9 +172,8 @@ class _Vectors:
         about = {of.id: of for of in system.inputs()}
         units = (of for of in system.used_models() if of.type == "k_out_of_n")
         self.needed = {input_id(of.name, "available"): of.values["k"] for of in units}
-        self.inputs = {
-            of.id: self._values(about[of.id], of.factor) for of in bound if of.id in about
-        }
+        own = [of for of in bound if of.id in about]
+        self.inputs = {of.id: self._values(about[of.id], of.factor) for of in own}
         self.base = {id_: known[0] for id_, (known, _) in self.inputs.items()}
 
     def _values(self, about: ModelInput, factor: tuple[int, int] | None) -> Sequence[list[Any]]:
@@ -239,9 +232,8 @@ class _Vectors:
 
     def patterns(self) -> tuple[list[Pattern], bool]:
         """Return observations: all, or those that differ from the usual ones in one input."""
-        columns = [
-            [{id_: of} for of in (*known, _UNKNOWN)] for id_, (known, _) in self.inputs.items()
-        ]
+        values = self.inputs.items()
+        columns = [[{id_: of} for of in (*known, _UNKNOWN)] for id_, (known, _) in values]
         is_all = math.prod(map(len, columns)) <= _PATTERNS
         rows = [*itertools.product(*columns)] if is_all else [[of] for row in columns for of in row]
         return [merged([self.base, *row]) for row in rows], is_all

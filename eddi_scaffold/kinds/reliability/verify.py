@@ -89,7 +89,7 @@ class _System:
         """Return the lines that read the inputs, and take usual values as they are."""
         if not inputs:
             return "return {}"
-        usual = []
+        usual: list[str] = []
         for k, input_ in enumerate(inputs):
             (type_,), limits = self.rules[input_.id].args or (), self.rules[input_.id].keywords
             usual.append(f"type(v{k}) is {type_}")
@@ -100,11 +100,11 @@ class _System:
         names = "".join(f"v{k}, " for k in range(len(inputs)))
         read = "".join(f"{reading(input_.attribute)}, " for input_ in inputs)
         known = ", ".join(f"{input_.id!r}: v{k}" for k, input_ in enumerate(inputs))
-        lines = f"try:\n    raw = {names} = ({read})\n"
-        lines += "except Exception:\n    return super()._read(source)\n"
+        text = f"try:\n    raw = {names} = ({read})\n"
+        text += "except Exception:\n    return super()._read(source)"
         if "False" not in usual:
-            lines += f"if {' and '.join(usual)}:\n    return {{{known}}}\n"
-        return f"{lines}return self._believed(raw)"
+            text += f"\nif {' and '.join(usual)}:\n    return {{{known}}}"
+        return f"{text}\nreturn self._believed(raw)"
 
     def _input(self, model: str, id_: str, type_: str, **limits: float) -> str:
         self.rules.setdefault(id_, Call("reliability.Rule", (type_,), limits))
@@ -129,9 +129,7 @@ class _System:
             for seen in content.observe:
                 self._input(name, seen.input, "bool")
             number = content.states.index
-            self._chain(
-                f"Chain{place}", exact.markov(content), number(content.initial[0]), content.age
-            )
+            self._chain(f"Chain{place}", content)
             rows = tuple((number(of.state), of.input, of.negated) for of in content.observe)
             more = {"observe": rows} if rows else {}
             more |= {"repair": True} if content.repair else {}
@@ -179,9 +177,10 @@ class _System:
             raise UnprovedError(of.node if of else None, f"there is no {name} that is {base}")
         return of
 
-    def _chain(self, name: str, chain: exact.Markov, start: int, age: float) -> None:
+    def _chain(self, name: str, content: Chain) -> None:
         """Take the class of a chain: its numbers, and sums of them."""
-        of, states = self._class(name, "chain.Chain"), range(chain.size)
+        of, chain = self._class(name, "chain.Chain"), exact.markov(content)
+        states, start = range(chain.size), content.states.index(content.initial[0])
 
         def within(hours: float) -> list[Sequence[D]]:
             return [after(chain, D(hours), frozenset({state})) for state in states]
@@ -190,7 +189,7 @@ class _System:
         failed = after(chain, horizon, frozenset(chain.fail))
         alive = after(chain, horizon, frozenset(states) - {*chain.fail})
         self.emitted.attribute(of, "fail", chain.fail)
-        first = [row[start] for row in within(age)]
+        first = [row[start] for row in within(content.age)]
         ahead = [*zip(failed, alive, means, strict=True)]
         for key, value in {"first": first, "ahead": ahead}.items():
             node = of.attributes.pop(key, ast.Constant(None))
@@ -202,9 +201,8 @@ class _System:
         for method, more, rows in (("quantum", "", within(hours)), ("look", ", at", look)):
             function = of.methods.pop(method, of.node)
             sums = returned(function, f"self, belief{more}", {"belief": variables(states)})
-            if not {of for terms in sums for of, factor in terms.items() if factor} <= {
-                (k,) for k in states
-            }:
+            products = {of for terms in sums for of, factor in terms.items() if factor}
+            if not products <= {(k,) for k in states}:
                 raise UnprovedError(function, "it is no sum over the states")
             written = [[float(terms.get((k,), 0)) for k in states] for terms in sums]
             self._near(function, f"{method} of {name}", written, rows)
