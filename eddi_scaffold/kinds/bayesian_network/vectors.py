@@ -28,7 +28,7 @@ Values = Mapping[str, Any]  # input, or `node_<attribute>()` for a method -> val
 _MOST_NODES, _MOST_WORK = 60, 400_000  # of a network; entries of tables that are made
 _MOST_CASES, _DRAWN, _STEPS = 512, 200, 32  # of evidence; drawn where it is more; of a run
 _MOST_COMPLETIONS = 1024  # of what is not known, up to which thresholds are judged
-_SMALL = 4096  # entries of a joint table of which every node can be observed
+_SMALL = 100_000  # entries of a joint table of which methods can observe and ask for every node
 _IS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 
 
@@ -183,13 +183,15 @@ class _Vectors:
         for now, new in changes:
             inputs = {**values, **new}
             evidence, worst = self.seen(inputs)
-            rows = self.posteriors(evidence, self.outputs)
+            methods = [inputs.get(method, (False, {})) for method in self.method]
+            asked = [k for k, (is_asked, _) in enumerate(methods) if is_asked or k in self.outputs]
+            rows = self.posteriors(evidence, asked)
             is_silent = self.options.on_inconsistent == "silent"
             if any(map(vectors.Judge.is_near, judges, worst)) or not (rows or is_silent):
                 continue
             results: dict[str, Any] = {
                 f"{self.nodes[k].id}={state}": float(f"{rows[k][number]:.12g}") if rows else None
-                for k in self.outputs
+                for k in asked
                 for number, state in enumerate(self.nodes[k].states)
             }
             for (id_, *_), judge, value in zip(self.thresholds, judges, worst, strict=True):
@@ -235,7 +237,12 @@ class _Vectors:
             f"value:{of.input.id}": [{**first, of.input.id: value} for value in of.values()]
             for of in self.sources.values()
         }
-        lists = {"evidence": cases[:_STEPS], "methods": [*self._methods()], **lists}
+        lists = {
+            "evidence": cases[:_STEPS],
+            "methods": [*self._methods(asks=False)],
+            "results of all nodes": [*self._methods(asks=True)],
+            **lists,
+        }
         lists["further evidence"] = cases[_STEPS:]
         length = 1 if self.remembers else _STEPS
         for name, values in lists.items():
@@ -243,7 +250,7 @@ class _Vectors:
                 each = enumerate(values[k : k + length])
                 yield self.run(name, [(second * 10**9, of) for second, of in each])
 
-    def _methods(self) -> Iterator[Values]:
+    def _methods(self, *, asks: bool) -> Iterator[Values]:
         """Yield what methods of nodes may say of them: nothing, a state, likelihoods."""
         draw = random.Random(2)  # noqa: S311 - the same every time
         is_small = math.prod(self.cards) <= _SMALL
@@ -253,7 +260,9 @@ class _Vectors:
                 row = _one(int(draw.random() * 2 * self.cards[k]), self.cards[k])
                 if draw.random() < 0.3:
                     row = tuple(round(0.05 + draw.random(), 3) for _ in row)
-                given[self.method[k]] = False, dict(zip(self.nodes[k].states, row, strict=True))
+                node = self.nodes[k]
+                is_asked = asks and is_small and node.id not in self.options.inferred
+                given[self.method[k]] = is_asked, dict(zip(node.states, row, strict=True))
             yield given
 
 

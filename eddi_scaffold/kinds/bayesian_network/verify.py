@@ -173,10 +173,10 @@ class _Program:
         numbers = np.array(got)
         if numbers.dtype != float or numbers.shape != expected.shape:
             raise UnprovedError(node, f"it has not {expected.shape} numbers")
-        for at in zip(*np.nonzero(~(abs(numbers - expected) <= _CLOSE * expected)), strict=True):
-            text = f"a number is {numbers[at]}, the model says {expected[at]:.15g}"
+        wrong = ~(abs(numbers - expected) <= _CLOSE * expected)
+        if wrong.any():
+            text = f"a number is {numbers[wrong][0]}, the model says {expected[wrong][0]:.15g}"
             self.emitted.differs(node, text)
-            return
 
     def _total(self, function: ast.AST, weights: Array) -> None:
         """Take the function that sums all products of vectors of the inputs with a table."""
