@@ -24,6 +24,13 @@ TRUTHS = (False, None, True)
 COMPARISONS: Mapping[str, Callable[[Any, Any], bool]] = {
     op: getattr(operator, op) for op in ("lt", "le", "gt", "ge", "eq", "ne")
 }
+_EXACT: Mapping[str, Callable[..., Any]] = {
+    "not": operator.not_,
+    "xor": operator.ne,
+    "abs": abs,
+    "least": min,
+    "greatest": max,
+}
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _INFINITE = (math.inf, -math.inf)
 STATEFUL = ("rise", "fall", "edge", "latch", "hysteresis", "elapsed")
@@ -223,16 +230,8 @@ def combined(op: str, args: Sequence[Value]) -> Value:
         return combined("or", (combined("not", args[:1]), args[1]))
     if None in args:
         return None
-    if op == "not":
-        return not args[0]
-    if op == "xor":
-        return args[0] is not args[1]
-    if op in COMPARISONS:
-        return COMPARISONS[op](*args)
-    if op in ("least", "greatest"):
-        return min(args) if op == "least" else max(args)
-    if op == "abs":
-        return abs(args[0])
+    if op in COMPARISONS or op in _EXACT:
+        return (COMPARISONS.get(op) or _EXACT[op])(*args)
     if not all(map(math.isfinite, args)):
         return None
     if op == "sqrt":

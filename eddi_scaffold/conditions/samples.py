@@ -21,8 +21,8 @@ from eddi_scaffold.conditions.definition import STATEFUL, Factor, History, Sampl
 if TYPE_CHECKING:
     from eddi_scaffold.program.instructions import Operation, Program
 
-_TRIES = 150  # without a fault that shows
-_MOST_WORK = 2_000_000  # values of the results of a condition and its faults
+_TRIES = 120  # without a fault that shows
+_MOST_WORK = 2_000_000  # values that are looked at, for all results of a program
 _MOST_STEPS = 300  # of a run
 _ERROR = 1e-11  # of sums that are rounded, above that of any way to add up
 _ALIKE = (
@@ -50,11 +50,7 @@ class Run(NamedTuple):
 class Drawing:
     """Draws the runs of one result of a program.
 
-    Args:
-        program: the checked conditions.
-        number: of the result.
-        factors: of values that come in another unit.
-        see: what the conditions see of what is given.
+    ``factors``: of values that come in another unit; ``see``: what is seen of what is given.
     """
 
     def __init__(
@@ -66,7 +62,8 @@ class Drawing:
     ) -> None:
         self.program, self.factors, self.see = _part(program, number), factors or {}, see
         self.random = random.Random(program.results[number].id).random  # noqa: S311 - always alike
-        self.missed, self.work = "", 0  # faults that no run shows
+        self.missed = ""  # faults that no run shows
+        self.work = _MOST_WORK // len(program.results)  # that is left
         self.known: dict[str, list[Mapping[str, Any]]] = {}  # result -> values that gave it
         rows = self.program.operations
         used = sorted({row.value for row in rows if row.op in ("variable", "age")})
@@ -81,6 +78,7 @@ class Drawing:
             numbers = [row.value for row in rows if row.op == "number" and row.value]
             limits = [round(x * 1e9) for x in numbers if 0 < x < 1e4]
         ends = [n + m - k for n in lengths for m in (-1, 0, 1) for k in (0, period) if n > k]
+        self.cost = len(rows) + sum(lengths) // (16 * period)  # of a step
         self.deltas = [-1, 0, period, *self.gaps, *lengths, *ends, *limits]
         limits += [of.timeout for of in self.reads if of.timeout is not None]
         self.ages = [0, -1, -period, -period - 1, *(n + m for n in limits for m in (0, 1))]
@@ -91,7 +89,7 @@ class Drawing:
         """Yield runs until each fault shows; else those ``missed`` are left."""
         left, tries = [*self._faults()], 0
         is_long = 2 * max(self.deltas) > _MOST_STEPS * self.gaps[0]
-        while left and not is_long and tries < _TRIES and self.work < _MOST_WORK:
+        while left and not is_long and tries < _TRIES and self.work > 0:
             given, tries = self._drawn(), tries + 1
             history = self.history(given)
             ends = [self._shown(history, fault(history)) for _, fault in left]
@@ -116,7 +114,7 @@ class Drawing:
 
     def _shown(self, history: History, other: History) -> int:
         """Return before which step all results are equal."""
-        self.work += len(history.given) * len(self.program.operations)
+        self.work -= len(history.given) * self.cost
         pairs = enumerate(zip(history.results(), other.results(), strict=True))
         return next((k for k, ((a,), (b,)) in pairs if not _equal(a, b)), len(history.given))
 
@@ -130,6 +128,7 @@ class Drawing:
         return float(Fraction(value) * den / num) if is_number and num != den else value
 
     def _drawn(self) -> list[Sample]:
+        """Return a few changes of values and ages, and between them steps without one."""
         filler, odd, t = self._pick(self.fillers), self._pick((0.0, 0.1, 0.3, 0.5)), 10**9
         values, names = {name: self._raw(name, is_odd=False) for name in self.pools}, [*self.pools]
         if self.known and self.random() < 0.7:
@@ -218,37 +217,28 @@ class Drawing:
             share = 1e-9 if row.coverage is None else row.coverage + 0.1 * n
             yield "coverage", other(coverage=share)
         if op == "latch":
-            s, r = row.args
-            yield (
-                "both",
-                lambda of: [
-                    *map(lambda q, s, r: q and not (s and r), *(of.series[n] for n in (k, s, r)))
-                ],
-            )
+            both = (k, *row.args)
+            yield "both", lambda of: [q and not (s and r) for q, s, r in of.columns(*both)]
         if op in ("hysteresis", "elapsed"):
             kept = partial(accumulate, func=lambda before, now: before if now is None else now)
             yield "unknown", lambda of: [*kept(of.series[k])]
         if op != "variable":
             return
         read = self.program.reads[value]
-
-        def misread(shift: int = 0, **changes: Any) -> Series:
-            return other(shift, value=read._replace(**changes))
-
-        if read.range is not None:
-            low, high = read.range
-            for to in _ENDS:
-                for ends in ((math.nextafter(low, to), high), (low, math.nextafter(high, to))):
-                    yield "range", misread(range=ends)
+        low, high = read.range or (0.0, 0.0)
+        for to in _ENDS if read.range is not None else ():
+            yield "range", other(value=read._replace(range=(math.nextafter(low, to), high)))
+            yield "range", other(value=read._replace(range=(low, math.nextafter(high, to))))
         for n in (-self.program.period, -1, 1) if read.stamped else ():
-            yield "ahead", misread(n)
+            yield "ahead", other(n)
         for n in (-1, 1) if read.timeout is not None else ():
-            yield "timeout", misread(timeout=read.timeout + n)
+            yield "timeout", other(value=read._replace(timeout=read.timeout + n))
         if read.type == "number":
-            yield "infinity", misread(infinite=not read.infinite)
+            yield "infinity", other(value=read._replace(infinite=not read.infinite))
         if read.reduction is not None:
             for name in _others(read.reduction.op):
-                yield "list", misread(reduction=replace(read.reduction, op=name))
+                reduction = replace(read.reduction, op=name)
+                yield "list", other(value=read._replace(reduction=reduction))
             return
         for raw in self.pools[read.name][1]:
             if type(raw) is not float or not math.isfinite(raw):

@@ -4,22 +4,22 @@ import math
 import random
 from dataclasses import dataclass
 
-from tests.conditions.reference import Input
+from eddi_scaffold.program.instructions import Read
 from tests.data_files import data_text
 
 RATE = 10
 PERIOD = 10**8
 DECLARATIONS = data_text("conditions/formulas.events")
 _LONG = 1000 * 3600 * 10**9
-INPUTS = {
-    "x": Input("number", timeout=_LONG),
-    "y": Input("number", range=(-6.0, 6.5), timeout=_LONG),
-    "z.range[0]": Input("number", infinite=True, timeout=_LONG),
-    "w": Input("number", timeout=350 * 10**6),
-    "a": Input("bool", timeout=_LONG),
-    "b": Input("bool", timeout=250 * 10**6),
-    "m": Input("enum", timeout=_LONG, literals=("AUTO", "MANUAL", "OFF")),
-}
+READS = (
+    Read("x", "number", timeout=_LONG, stamped=True),
+    Read("y", "number", range=(-6.0, 6.5), timeout=_LONG, stamped=True),
+    Read("z.range[0]", "number", infinite=True, timeout=_LONG, stamped=True),
+    Read("w", "number", timeout=350 * 10**6, stamped=True),
+    Read("a", "bool", timeout=_LONG, stamped=True),
+    Read("b", "bool", timeout=250 * 10**6, stamped=True),
+    Read("m", "enum", timeout=_LONG, literals=("AUTO", "MANUAL", "OFF"), stamped=True),
+)
 NUMBERS = ("x", "y", "z.range[0]", "w")
 TRUTHS = ("a", "b")
 NUMERIC_WINDOWS = ("AVERAGE", "SUM", "MAX", "MIN", "MEDIAN", "STDDEV", "RATE")

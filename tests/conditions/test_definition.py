@@ -13,8 +13,7 @@ from eddi_scaffold.conditions.definition import History, Sample
 from eddi_scaffold.conditions.samples import Drawing
 from eddi_scaffold.program.instructions import Program
 from eddi_scaffold.program.running import Engine
-from tests.conditions.formulas import recording
-from tests.conditions.test_agreement import IN_NUMBERS, STEPS, analysis_of, batches, text_of
+from tests.conditions.test_agreement import IN_NUMBERS, batches
 from tests.conditions.test_lists import DECLARATIONS, formula, sample
 
 DATA = Path(__file__).parents[1] / "data" / "evidence" / "events.yml"
@@ -63,22 +62,6 @@ def test_verdicts_and_changes_are_those_of_the_definition(name: str) -> None:
             for history, run in histories
             for (value,), other in zip(history.results(), run.results, strict=True)
         ), mutant["change"]
-
-
-def test_random_events_are_by_definition() -> None:
-    for seed in range(batches()):
-        analysis = analysis_of(text_of(seed))
-        steps = recording(random.Random(1000 + seed), STEPS)
-        samples = [
-            Sample(step.t, step.values, {n: step.t - stamp for n, stamp in step.stamps.items()})
-            for step in steps
-        ]
-        history, engine = History(analysis.program, samples), Engine(analysis.program)
-        names = [read.name for read in analysis.program.reads]
-        for step, verdicts in zip(steps, history.results(), strict=True):
-            stamps = [step.stamps.get(name) for name in names]
-            values = engine.step(step.t, [step.values[name] for name in names], stamps)
-            assert list(values) == [IN_NUMBERS[verdict] for verdict in verdicts]
 
 
 def test_random_lists_are_by_definition() -> None:

@@ -31,8 +31,9 @@ def event_vectors(program: Program, inputs: Sequence[BoundInput], about: Mapping
         if size > MOST_BYTES:
             break
         lists["runs"].append(row)
-    lists["missed"] = [drawing.missed for drawing in drawings if drawing.missed]
-    complete = size <= MOST_BYTES and not lists["missed"]
+    missed = [drawing.missed for drawing in drawings if drawing.missed]
+    lists["missed"] = missed if size + len(text(missed).encode()) < MOST_BYTES else []
+    complete = size <= MOST_BYTES and not missed
     return vectors_file(about, inputs, lists, complete=complete)
 
 
