@@ -92,19 +92,8 @@ _CONVERTED = {
     "enum": "X = expressions.literal(X, L)",
     "text": "X = lists.number_in(X)",
 }
-_RESERVED = {
-    "_",
-    "self",
-    "source",
-    "raw",
-    "t",
-    "age",
-    "last",
-    "messages",
-    "ages",
-    "outputs",
-    *"abc",
-}
+_RESERVED = {"_", "self", "source", "raw", "t", "age", "last", "messages", "ages", "outputs"}
+_RESERVED |= {"float", *"abc"}
 _ABSORBING = ("add", "sub", "mul")  # an overflow stays one inside of sums and products
 _LONGEST = 112  # line; in longer ones `a`, `b` and `c` stand for operands
 
@@ -119,10 +108,8 @@ class _Step:
 
     def __init__(self, program: Program, names: Sequence[str]) -> None:
         self.program, self.operations, self.names = program, program.operations, names
-        self.finite = {result.operation for result in program.results}
-        self.finite.update(
-            arg for of in self.operations if of.op not in _ABSORBING for arg in of.args
-        )
+        args = (arg for of in self.operations if of.op not in _ABSORBING for arg in of.args)
+        self.finite = {*args, *(result.operation for result in program.results)}
         self.states: dict[str, str] = {}  # attribute -> its value at the start
         for k, of in enumerate(self.operations):
             self.states |= {f"p{k}": _STARTS[of.op]} if of.op in _STARTS else {}
@@ -265,13 +252,14 @@ def of_inputs(
     ``arguments`` are what its constructor takes.
     """
     inputs = emitted.declared.inputs
+    limits = {
+        read.name: (*(read.range or (-math.inf, math.inf)), read.infinite)
+        for read in program.reads
+        if read.type == "number" and read.reduction is None and not read.text
+    }
     types: dict[str, Any] = {}
-    limits: dict[str, Any] = {}
-    for read in program.reads:
-        for name, type_ in parts_of(read).items():
-            types.setdefault(name, type_)
-        if read.type == "number" and read.reduction is None and not read.text:
-            limits[read.name] = (*(read.range or (-math.inf, math.inf)), read.infinite)
+    for read in reversed(program.reads):  # the first of an input counts
+        types |= parts_of(read)
     sources = [[*parts_of(read)] for read in program.reads]
     emitted.attribute(monitor, "types", tuple(types.get(of.id, "") for of in inputs))
     emitted.attribute(monitor, "limits", tuple(limits.get(of.id) for of in inputs))
@@ -382,7 +370,7 @@ def joined(programs: Sequence[Program]) -> Program:
             operations.append(of._replace(args=args, value=value))
         result = program.results[0]
         results.append(result._replace(operation=base + result.operation))
-    parts: dict[str, Any] = {"reads": tuple(reads), "operations": tuple(operations)}
-    parts["results"] = tuple(results)
+    parts: dict[str, Any] = {"reads": tuple(reads), "results": tuple(results)}
+    parts["operations"] = tuple(operations)
     empty: Any = SimpleNamespace(period=0, **parts)
     return programs[0]._replace(**parts) if programs else empty

@@ -256,14 +256,14 @@ class Emitted:
     def same(self, what: str, node: ast.expr | None, expected: object) -> None:
         """Compare data of the text with those of the model, element by element; types count."""
         got = Call("missing") if node is None else data(node)
+        rows = node.elts if isinstance(node, ast.Tuple) else []
         if repr(got) == repr(expected):
             return
-        rows = node.elts if isinstance(node, ast.Tuple) else []
-        if rows and isinstance(expected, tuple) and len(rows) == len(expected):
+        if isinstance(expected, tuple) and 0 < len(rows) == len(expected):
             for k, (element, of) in enumerate(zip(rows, expected, strict=True), 1):
                 self.same(f"{what} {k}", element, of)
-            return
-        self.differs(node, f"{what} is {got!r}, the model says {expected!r}")
+        else:
+            self.differs(node, f"{what} is {got!r}, the model says {expected!r}")
 
     def attribute(self, of: Class, name: str, expected: object) -> None:
         """Compare an attribute of a class; ``None``: there is to be none."""
