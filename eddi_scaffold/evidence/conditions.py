@@ -14,6 +14,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.evidence.emitted import Class, Emitted, Lines, UnprovedError, read_inputs
+from eddi_scaffold.evidence.expressions import head_of, path_of
 from eddi_scaffold.evidence.reductions import VALUES, number, reduced
 
 if TYPE_CHECKING:
@@ -223,9 +224,7 @@ def _follow(
             last = _DECIDES.get(operation.op, operation.capacity)
             need, coverage = operation.window - program.period, operation.coverage
             new = f"{_WINDOWS[operation.op]}({operation.window}, {need}, {last})"
-            windows += (
-                f"window.Covered({new}, {coverage}), " if coverage is not None else f"{new}, "
-            )
+            windows += f"{new}, " if coverage is None else f"window.Covered({new}, {coverage}), "
             pushes += f"self.w{k} = self.windows[{place}].push\n"
         taken = "".join(f", {name}=None" for name in arguments.split())
         made = f"self.windows = ({windows})\n{pushes}"
@@ -317,14 +316,8 @@ def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> Non
     parts, checks = document["parts"], document.get("checks", {})
     program, paths = joined([part["program"] for part in parts]), document.get("paths", {})
 
-    def word(name: str) -> str:
-        return name.partition(".")[0].partition("[")[0]
-
-    def field(name: str) -> list[Any]:
-        path = paths.get(name)
-        if path is None:
-            pieces = name.replace("[", ".[").split(".")[1:]
-            path = [int(piece[1:-1]) if piece.startswith("[") else piece for piece in pieces]
+    def field(name: str) -> list[str]:
+        path = paths[name] if name in paths else path_of(name)
         return [*map(_text, (path, *checks.get(name, ())))]
 
     sources = [[*parts_of(read)] for read in program.reads]
@@ -336,7 +329,7 @@ def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> Non
     emitted.attribute(of, "names", named)
     lines, names = of.method("step", "self, t, messages, ages"), list[str]()
     for k, (read, used) in enumerate(zip(program.reads, sources, strict=True)):
-        message, fields = repr(word(used[0])), [*map(field, used)]
+        message, fields = repr(head_of(used[0])), [*map(field, used)]
         if read.reduction is None:
             value = f"self.field(messages, {message}, {', '.join(fields[0])})"
         else:

@@ -49,7 +49,7 @@ class _Expression:
         self.programs = [part["program"] for part in self.document["parts"]]
         self.drawings = [Drawing(each, 0, see=self.see, faulty=faulty) for each in self.programs]
         pools = {name: pool for drawing in self.drawings for name, pool in drawing.pools.items()}
-        self.heads = {name: name.partition(".")[0].partition("[")[0] for name in pools}
+        self.heads = {name: head_of(name) for name in pools}
         names = self.document["names"].items()
         self.sources = {head: id_ for head, (kind, id_) in names if kind == "message"}
         pools |= {id_ + _THERE: ([True] * 9 + [False], [False]) for id_ in self.sources.values()}
@@ -57,7 +57,7 @@ class _Expression:
             drawing.pools, drawing.aged = pools, [*self.sources.values()]
         paths, checks = (self.document.get(key, {}) for key in ("paths", "checks"))
         self.fields = {
-            name: [head, paths.get(name) or _path(name), *checks.get(name, ())]
+            name: [head, paths.get(name) or path_of(name), *checks.get(name, ())]
             for name, head in self.heads.items()
         }
 
@@ -106,7 +106,12 @@ class _Expression:
         return round(values[0]) if type_ == "int" and values[0] is not None else values[0]
 
 
-def _path(name: str) -> list[str | int]:
+def head_of(name: str) -> str:
+    """Return the first word of a name."""
+    return name.partition(".")[0].partition("[")[0]
+
+
+def path_of(name: str) -> list[str | int]:
     """Return the path behind the first word of a name."""
     words = name.replace("[", ".[").split(".")[1:]
     return [int(word[1:-1]) if word.startswith("[") else word for word in words]

@@ -60,6 +60,7 @@ def test_a_mutant_that_is_called_proved_is_equal_by_exhaustion() -> None:
         ('in {"none", "low"}', 'in {"none"}', "it is not as the model says"),
         ('paths=(("Clear", "Light"),)', 'paths=(("Clear",),)', "paths=(('Clear',),)"),
         (", source):\n", ", source):\n        self.judge = None\n", "it is not as the model says"),
+        ("step(self, source):", "step(self, source) -> print():", "it has no known form"),
         ("Lower == 2,", "Lower,", "it has no known form"),
         ("self.judge(1, Light)", "self.judge(0, Light)", "it is not as the model says"),
         ("source.Clear, source.Light", "source.Light, source.Clear", "it is not as the model says"),
