@@ -74,7 +74,7 @@ def data(node: ast.expr) -> Any:
             return tuple(map(data, node.elts))
         case ast.List():
             return [*map(data, node.elts)]
-        case ast.Dict():
+        case ast.Dict() if None not in node.keys:  # such as of `**`
             pairs = zip(node.keys, node.values, strict=True)
             return {data(key): data(value) for key, value in pairs if key is not None}
         case ast.Name(id="INF" | "NAN"):
@@ -259,7 +259,7 @@ class Emitted:
         rows = node.elts if isinstance(node, ast.Tuple) else []
         if repr(got) == repr(expected):
             return
-        if isinstance(expected, tuple) and 0 < len(rows) == len(expected):
+        if type(expected) is tuple and 0 < len(rows) == len(expected):
             for k, (element, of) in enumerate(zip(rows, expected, strict=True), 1):
                 self.same(f"{what} {k}", element, of)
         else:
