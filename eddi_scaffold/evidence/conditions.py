@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.evidence.emitted import Class, Emitted, Lines, UnprovedError, read_inputs
 from eddi_scaffold.evidence.expressions import head_of, path_of
-from eddi_scaffold.evidence.reductions import VALUES, number, reduced
+from eddi_scaffold.evidence.reductions import VALUES, number, reduction_lines
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
@@ -217,7 +217,9 @@ def _follow(
         of.body("restart", "self", f"super().restart()\n{rows}")
     for k, read in enumerate(program.reads):
         if read.reduction is not None:
-            reduced(of, k, read.reduction)
+            given = [f"x{j}" for j in range(len(read.reduction.inputs))]
+            body = "\n".join(reduction_lines(read.reduction, given))
+            of.body(f"reduce_{k}", ", ".join(["self", *given]), body)
     if step.windows:
         windows, pushes = "", ""
         for place, (k, operation) in enumerate(step.windows.items()):
