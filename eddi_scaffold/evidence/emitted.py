@@ -320,12 +320,12 @@ def reading(attribute: str) -> str:
     return f"source.{attribute}" if is_name else f"getattr(source, {attribute!r})"
 
 
-def unpacked(lines: Lines, value: str, number: int) -> list[str]:
-    """Take the line that takes a tuple apart; return the names, of which `_` is for nothing."""
+def unpacked(lines: Lines, value: str, number: int, lost: str = "") -> list[str]:
+    """Take the line that takes a tuple apart; return the names, of which ``lost`` may repeat."""
     names = getattr(lines.rest[0], "targets", lines.rest)[0]
     found = [of.id for of in getattr(names, "elts", ()) if isinstance(of, ast.Name)]
-    used = [*(name for name in found if name != "_"), "self", "source", "raw", "t"]
-    if len(found) != number or len({*used}) != len(used):
+    used = [*(name for name in found if name != lost), "self", "source", "raw", "t"]
+    if len(found) != number or len({*used}) < len(used):
         raise UnprovedError(names, "a name has two meanings")
     lines.expect(f"({', '.join(found)},) = {value}")
     return found
@@ -350,4 +350,4 @@ def read_inputs(
     lines.expect(
         f"try:\n    raw = {values}\nexcept Exception:\n    raw = self.read(source)\n{kept}"
     )
-    return unpacked(lines, "raw", len(attributes))
+    return unpacked(lines, "raw", len(attributes), lost="_")

@@ -195,9 +195,9 @@ class _Proof:
                 args = values[of["a"]], values[of.get("b", of["r"])]
                 values[of["r"]] = self.functions.gate("And" if of["sign"] == "<" else "Or", args)
         returned = lines.take("return V")["V"]
-        flags = [*map(ast.unparse, getattr(returned, "elts", ()))]
+        flags = [*map(ast.unparse, returned.elts if isinstance(returned, ast.Tuple) else ())]
         if len(flags) != len(self.consert.guarantees):
-            raise UnprovedError(returned, "it returns other guarantees")
+            raise UnprovedError(returned)
         for flag, guarantee in zip(flags, self.consert.guarantees, strict=True):
             name = flag.removesuffix(" == 2")
             if flag == name or name not in values:
@@ -227,6 +227,8 @@ class _Proof:
         lines.expect("eddi_runtime.look_again(source, t_ns)")
         guarantees = self.consert.guarantees
         names = unpacked(lines, "self.step(source)", len(guarantees))
+        if "t_ns" in names:
+            raise UnprovedError(None, "a name has two meanings")
         expected = [
             {"id": self.options.published(of.id), "active": Call(name)}
             for of, name in zip(guarantees, names, strict=True)
