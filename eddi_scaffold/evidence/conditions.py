@@ -14,7 +14,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.evidence.emitted import Class, Emitted, Lines, UnprovedError, read_inputs
-from eddi_scaffold.evidence.reductions import VALUES, number, reduced
+from eddi_scaffold.evidence.expressions import head_of, path_of
+from eddi_scaffold.evidence.reductions import VALUES, number, reduction_lines
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
@@ -92,19 +93,8 @@ _CONVERTED = {
     "enum": "X = expressions.literal(X, L)",
     "text": "X = lists.number_in(X)",
 }
-_RESERVED = {
-    "_",
-    "self",
-    "source",
-    "raw",
-    "t",
-    "age",
-    "last",
-    "messages",
-    "ages",
-    "outputs",
-    *"abc",
-}
+_RESERVED = {"_", "self", "source", "raw", "t", "age", "last", "messages", "ages", "outputs"}
+_RESERVED |= {"float", *"abc"}
 _ABSORBING = ("add", "sub", "mul")  # an overflow stays one inside of sums and products
 _LONGEST = 112  # line; in longer ones `a`, `b` and `c` stand for operands
 
@@ -119,10 +109,8 @@ class _Step:
 
     def __init__(self, program: Program, names: Sequence[str]) -> None:
         self.program, self.operations, self.names = program, program.operations, names
-        self.finite = {result.operation for result in program.results}
-        self.finite.update(
-            arg for of in self.operations if of.op not in _ABSORBING for arg in of.args
-        )
+        args = (arg for of in self.operations if of.op not in _ABSORBING for arg in of.args)
+        self.finite = {*args, *(result.operation for result in program.results)}
         self.states: dict[str, str] = {}  # attribute -> its value at the start
         for k, of in enumerate(self.operations):
             self.states |= {f"p{k}": _STARTS[of.op]} if of.op in _STARTS else {}
@@ -229,16 +217,16 @@ def _follow(
         of.body("restart", "self", f"super().restart()\n{rows}")
     for k, read in enumerate(program.reads):
         if read.reduction is not None:
-            reduced(of, k, read.reduction)
+            given = [f"x{j}" for j in range(len(read.reduction.inputs))]
+            body = "\n".join(reduction_lines(read.reduction, given))
+            of.body(f"reduce_{k}", ", ".join(["self", *given]), body)
     if step.windows:
         windows, pushes = "", ""
         for place, (k, operation) in enumerate(step.windows.items()):
             last = _DECIDES.get(operation.op, operation.capacity)
             need, coverage = operation.window - program.period, operation.coverage
             new = f"{_WINDOWS[operation.op]}({operation.window}, {need}, {last})"
-            windows += (
-                f"window.Covered({new}, {coverage}), " if coverage is not None else f"{new}, "
-            )
+            windows += f"{new}, " if coverage is None else f"window.Covered({new}, {coverage}), "
             pushes += f"self.w{k} = self.windows[{place}].push\n"
         taken = "".join(f", {name}=None" for name in arguments.split())
         made = f"self.windows = ({windows})\n{pushes}"
@@ -265,13 +253,14 @@ def of_inputs(
     ``arguments`` are what its constructor takes.
     """
     inputs = emitted.declared.inputs
+    limits = {
+        read.name: (*(read.range or (-math.inf, math.inf)), read.infinite)
+        for read in program.reads
+        if read.type == "number" and read.reduction is None and not read.text
+    }
     types: dict[str, Any] = {}
-    limits: dict[str, Any] = {}
-    for read in program.reads:
-        for name, type_ in parts_of(read).items():
-            types.setdefault(name, type_)
-        if read.type == "number" and read.reduction is None and not read.text:
-            limits[read.name] = (*(read.range or (-math.inf, math.inf)), read.infinite)
+    for read in reversed(program.reads):  # the first of an input counts
+        types |= parts_of(read)
     sources = [[*parts_of(read)] for read in program.reads]
     emitted.attribute(monitor, "types", tuple(types.get(of.id, "") for of in inputs))
     emitted.attribute(monitor, "limits", tuple(limits.get(of.id) for of in inputs))
@@ -329,14 +318,8 @@ def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> Non
     parts, checks = document["parts"], document.get("checks", {})
     program, paths = joined([part["program"] for part in parts]), document.get("paths", {})
 
-    def word(name: str) -> str:
-        return name.partition(".")[0].partition("[")[0]
-
-    def field(name: str) -> list[Any]:
-        path = paths.get(name)
-        if path is None:
-            pieces = name.replace("[", ".[").split(".")[1:]
-            path = [int(piece[1:-1]) if piece.startswith("[") else piece for piece in pieces]
+    def field(name: str) -> list[str]:
+        path = paths[name] if name in paths else path_of(name)
         return [*map(_text, (path, *checks.get(name, ())))]
 
     sources = [[*parts_of(read)] for read in program.reads]
@@ -348,7 +331,7 @@ def _expression(emitted: Emitted, of: Class, document: Mapping[str, Any]) -> Non
     emitted.attribute(of, "names", named)
     lines, names = of.method("step", "self, t, messages, ages"), list[str]()
     for k, (read, used) in enumerate(zip(program.reads, sources, strict=True)):
-        message, fields = repr(word(used[0])), [*map(field, used)]
+        message, fields = repr(head_of(used[0])), [*map(field, used)]
         if read.reduction is None:
             value = f"self.field(messages, {message}, {', '.join(fields[0])})"
         else:
@@ -382,7 +365,7 @@ def joined(programs: Sequence[Program]) -> Program:
             operations.append(of._replace(args=args, value=value))
         result = program.results[0]
         results.append(result._replace(operation=base + result.operation))
-    parts: dict[str, Any] = {"reads": tuple(reads), "operations": tuple(operations)}
-    parts["results"] = tuple(results)
+    parts: dict[str, Any] = {"reads": tuple(reads), "results": tuple(results)}
+    parts["operations"] = tuple(operations)
     empty: Any = SimpleNamespace(period=0, **parts)
     return programs[0]._replace(**parts) if programs else empty

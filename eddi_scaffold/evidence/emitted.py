@@ -74,7 +74,7 @@ def data(node: ast.expr) -> Any:
             return tuple(map(data, node.elts))
         case ast.List():
             return [*map(data, node.elts)]
-        case ast.Dict():
+        case ast.Dict() if None not in node.keys:  # such as of `**`
             pairs = zip(node.keys, node.values, strict=True)
             return {data(key): data(value) for key, value in pairs if key is not None}
         case ast.Name(id="INF" | "NAN"):
@@ -256,14 +256,14 @@ class Emitted:
     def same(self, what: str, node: ast.expr | None, expected: object) -> None:
         """Compare data of the text with those of the model, element by element; types count."""
         got = Call("missing") if node is None else data(node)
+        rows = node.elts if isinstance(node, ast.Tuple) else []
         if repr(got) == repr(expected):
             return
-        rows = node.elts if isinstance(node, ast.Tuple) else []
-        if rows and isinstance(expected, tuple) and len(rows) == len(expected):
+        if type(expected) is tuple and 0 < len(rows) == len(expected):
             for k, (element, of) in enumerate(zip(rows, expected, strict=True), 1):
                 self.same(f"{what} {k}", element, of)
-            return
-        self.differs(node, f"{what} is {got!r}, the model says {expected!r}")
+        else:
+            self.differs(node, f"{what} is {got!r}, the model says {expected!r}")
 
     def attribute(self, of: Class, name: str, expected: object) -> None:
         """Compare an attribute of a class; ``None``: there is to be none."""
@@ -320,12 +320,12 @@ def reading(attribute: str) -> str:
     return f"source.{attribute}" if is_name else f"getattr(source, {attribute!r})"
 
 
-def unpacked(lines: Lines, value: str, number: int) -> list[str]:
-    """Take the line that takes a tuple apart; return the names, of which `_` is for nothing."""
+def unpacked(lines: Lines, value: str, number: int, lost: str = "") -> list[str]:
+    """Take the line that takes a tuple apart; return the names, of which ``lost`` may repeat."""
     names = getattr(lines.rest[0], "targets", lines.rest)[0]
     found = [of.id for of in getattr(names, "elts", ()) if isinstance(of, ast.Name)]
-    used = [*(name for name in found if name != "_"), "self", "source", "raw", "t"]
-    if len(found) != number or len({*used}) != len(used):
+    used = [*(name for name in found if name != lost), "self", "source", "raw", "t"]
+    if len(found) != number or len({*used}) < len(used):
         raise UnprovedError(names, "a name has two meanings")
     lines.expect(f"({', '.join(found)},) = {value}")
     return found
@@ -350,4 +350,4 @@ def read_inputs(
     lines.expect(
         f"try:\n    raw = {values}\nexcept Exception:\n    raw = self.read(source)\n{kept}"
     )
-    return unpacked(lines, "raw", len(attributes))
+    return unpacked(lines, "raw", len(attributes), lost="_")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -42,13 +41,13 @@ class _Expression:
         parts = self.document["parts"]
         self.drawings = [Drawing(part["program"], 0, see=self.see) for part in parts]
         pools = {name: pool for drawing in self.drawings for name, pool in drawing.pools.items()}
-        words = {name: re.findall(r"[^.\[\]]+", name) for name in pools}
+        heads = {name: head_of(name) for name in pools}
         self.fields = {
-            name: [head, paths.get(name) or [*map(_part, path)], *checks.get(name, ())]
-            for name, (head, *path) in words.items()
+            name: [head, paths.get(name) or path_of(name), *checks.get(name, ())]
+            for name, head in heads.items()
         }
         ids = {head: id_ for head, (kind, id_) in names.items() if kind == "message"}
-        self.sources = {name: ids[head] for name, (head, *_) in words.items() if head in ids}
+        self.sources = {name: ids[head] for name, head in heads.items() if head in ids}
         for drawing in self.drawings:
             drawing.pools, drawing.aged = pools, sorted({*ids.values()})
             drawing.ages = [age for age in drawing.ages if age <= most]  # others give no value
@@ -78,5 +77,12 @@ class _Expression:
         return round(values[0]) if type_ == "int" and values[0] is not None else values[0]
 
 
-def _part(word: str) -> str | int:
-    return int(word) if word.isdecimal() else word
+def head_of(name: str) -> str:
+    """Return the first word of a name."""
+    return name.partition(".")[0].partition("[")[0]
+
+
+def path_of(name: str) -> list[str | int]:
+    """Return the path behind the first word of a name."""
+    words = name.replace("[", ".[").split(".")[1:]
+    return [int(word[1:-1]) if word.startswith("[") else word for word in words]

@@ -1,4 +1,4 @@
-"""Whether the method that reduces lists of a message is the reduction that was read."""
+"""The lines of a method that reduces lists of a message, as it was read."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
-
-from eddi_scaffold.evidence.emitted import Class
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.lists import Reduction
@@ -52,13 +50,8 @@ def number(value: float | None) -> str:
     return repr(math.nan if value is None else float(value)).upper().replace("E", "e")
 
 
-def reduced(of: Class, k: int, reduction: Reduction) -> None:
-    """Take the method of a reduction of lists: a line for each part, then for each operation."""
-    names = [f"x{j}" for j in range(len(reduction.inputs))]
-    of.body(f"reduce_{k}", ", ".join(["self", *names]), "\n".join(_lines_of(reduction, names)))
-
-
-def _lines_of(reduction: Reduction, names: Sequence[str]) -> Iterator[str]:
+def reduction_lines(reduction: Reduction, names: Sequence[str]) -> Iterator[str]:
+    """Yield the lines of a reduction of lists: one for each part, then for each operation."""
     inputs, nodes = reduction.inputs, reduction.nodes
     lists = [name for name, part in zip(names, inputs, strict=True) if part.is_list]
     for x, part in zip(names, inputs, strict=True):

@@ -8,18 +8,16 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import plural
 from eddi_scaffold.evidence.emitted import (
     Call,
-    Class,
     Emitted,
     Lines,
     UnprovedError,
-    data,
     read_inputs,
     unpacked,
 )
@@ -40,26 +38,26 @@ _GATES = (
 class Functions:
     """Functions of leaves in normal form: equal numbers are equal functions."""
 
-    def __init__(self, leaves: Sequence[str]) -> None:
-        self._numbers: dict[tuple[str, tuple[int, ...]], int] = {}
-        self.constant = self.gate("Or", ()), self.gate("And", ())
-        self.leaves = {leaf: self._add(leaf, (k,)) for k, leaf in enumerate(leaves)}
-
-    def _add(self, op: str, args: tuple[int, ...]) -> int:
-        return self._numbers.setdefault((op, args), len(self._numbers))
+    def __init__(self, leaves: int) -> None:
+        self._rows: list[tuple[str, tuple[int, ...]]] = [("", (k,)) for k in range(leaves)]
+        self._numbers = {row: k for k, row in enumerate(self._rows)}
 
     def gate(self, op: str, args: Iterable[int]) -> int:
         """Return the And or Or of functions: flat, sorted, without duplicates."""
-        rows, inner = [*self._numbers], set[int]()
+        inner = set[int]()
         for arg in args:
-            inner.update(rows[arg][1] if rows[arg][0] == op else (arg,))
-        return inner.pop() if len(inner) == 1 else self._add(op, tuple(sorted(inner)))
+            inner.update(self._rows[arg][1] if self._rows[arg][0] == op else (arg,))
+        row = op, tuple(sorted(inner))
+        if len(inner) != 1 and row not in self._numbers:
+            self._numbers[row] = len(self._rows)
+            self._rows.append(row)
+        return inner.pop() if len(inner) == 1 else self._numbers[row]
 
     def value(self, function: int, given: Sequence[int]) -> int:
         """Return the value of a function: 0, 1 or 2."""
-        values: list[int] = []
-        for op, args in self._numbers:
-            of = [values[arg] for arg in args] if op in ("And", "Or") else [given[args[0]]]
+        values = [*given]
+        for op, args in self._rows[len(given) :]:
+            of = [values[arg] for arg in args]
             values.append(min(of, default=2) if op == "And" else max(of, default=0))
         return values[function]
 
@@ -76,28 +74,43 @@ class _Proof:
         self.inputs = emitted.declared.inputs
         self.dimensions = [dimension_of(nodes[input_.id]) for input_ in self.inputs]
         self.sets = ConSertVectors(consert)
-        self.functions = functions = Functions([input_.id for input_ in self.inputs])
+        self.ids = [input_.id for input_ in self.inputs]
         self.gates = {g.id: g.function for g in consert.gates}
-        self.of_model = dict(functions.leaves)
-        self.of_model |= {g.id: functions.constant[1] for g in consert.guarantees if g.default}
+        self.functions = Functions(len(self.ids))
+        self.constants = {"0": self.functions.gate("Or", ()), "2": self.functions.gate("And", ())}
+        self.of_model = {id_: k for k, id_ in enumerate(self.ids)}
+        self.of_model |= {g.id: self.constants["2"] for g in consert.guarantees if g.default}
         for id_ in in_order(consert.inputs):
             if id_ not in self.of_model:
                 args = [self.of_model[source] for source in consert.inputs[id_]]
-                self.of_model[id_] = functions.gate(self.gates.get(id_, "And"), args)
+                self.of_model[id_] = self.functions.gate(self.gates.get(id_, "And"), args)
 
     def proved(self) -> Iterator[str]:
         """Yield what is proved."""
         emitted, monitor = self.emitted, self.emitted.monitor("consert.ConSert")
         emitted.attribute(monitor, "leaves", tuple(map(self._leaf, range(len(self.inputs)))))
-        numbers = self._graph(monitor)
-        guarantees = tuple(self._guarantees(numbers))
+        searched = "graph" in monitor.attributes  # by the runtime, where there are many gates
+        nodes = self.consert.inputs.items()
+        inner = {
+            id_: [source for source in of if source not in self.ids]
+            for id_, of in nodes
+            if id_ not in self.ids
+        }
+        number = {id_: k for k, id_ in enumerate([*self.ids, *in_order(inner)])}
+        rows = tuple(
+            (id_, self.gates.get(id_, "And"), tuple(map(number.get, self.consert.inputs[id_])))
+            for id_ in [*number][len(self.ids) :]
+        )
+        graph = Call("search.Graph", (Call("inputs"), rows))
+        emitted.attribute(monitor, "graph", graph if searched else None)
+        guarantees = tuple(self._guarantees(number if searched else {}))
         emitted.attribute(monitor, "guarantees", guarantees)
         services = [(service.id, service.members) for service in self.consert.provided_services]
         emitted.attribute(monitor, "services", tuple(services) or None)
         if self.options.filter:
             filter_ = f"filters.{self.options.filter.capitalize()}({self.options.filter_steps})"
             monitor.body("__init__", "self", f"super().__init__({filter_})")
-        if "step" in monitor.methods or not numbers:
+        if "step" in monitor.methods or not searched:
             self._step(monitor.method("step", "self, source"))
             if self.consert.guarantees:
                 self._execute(monitor.method("execute_step", "self, source, t_ns=None"))
@@ -130,39 +143,16 @@ class _Proof:
             start = start if covered.start_inclusive else math.nextafter(start, math.inf)
             yield start, end, covered.inclusive
 
-    def _graph(self, monitor: Class) -> list[str]:
-        """Return what the numbers of the graph are that the runtime searches, if it has one."""
-        node = monitor.attributes.pop("graph", None)
-        if node is None:
-            return []
-        if not isinstance(node, ast.Call) or len(node.args) != 2:
-            raise UnprovedError(node)
-        rows = data(node.args[1])
-        names = [*self.functions.leaves, *(row[0] for row in rows)]
-        numbers, inputs = {name: k for k, name in enumerate(names)}, self.consert.inputs
-        if sorted(names) != sorted(inputs):
-            raise UnprovedError(node)
-        expected = []
-        for row in rows:
-            sources = tuple(numbers[source] for source in inputs[row[0]])
-            if any(source >= numbers[row[0]] for source in sources):
-                raise UnprovedError(node)
-            expected.append((row[0], self.gates.get(row[0], "And"), sources))
-        self.emitted.same(
-            "the graph", node, Call("search.Graph", (Call("inputs"), tuple(expected)))
-        )
-        return names
-
-    def _guarantees(self, numbers: Sequence[str]) -> Iterator[Call]:
+    def _guarantees(self, number: Mapping[str, int]) -> Iterator[Call]:
         for guarantee in self.consert.guarantees:
             sets, id_ = self.sets.paths[guarantee.id], guarantee.id
-            if sets is None and not numbers:
+            if sets is None and not number:
                 raise UnprovedError(None, f"{id_} has too many path sets to compare them")
             paths = sorted((tuple(sorted(of)) for of in sets or ()), key=lambda p: (len(p), p))
             published = self.options.published(id_)
             named = {
-                "node": numbers.index(id_) if numbers else None,
-                "paths": None if numbers else tuple(paths),
+                "node": number.get(id_),
+                "paths": None if number else tuple(paths),
                 "published": None if published == id_ else published,
                 "default": guarantee.default or None,
                 "ranking": guarantee.ranking,
@@ -177,7 +167,7 @@ class _Proof:
         paths, cuts = self.sets.paths[id_], self.sets.cuts[id_]
         if paths is None or cuts is None:
             raise UnprovedError(node, f"{id_} has another form than in the model")
-        names, of_model = self.functions.leaves, self.of_model[id_]
+        names, of_model = self.ids, self.of_model[id_]
         cases = [(leaves, 2, 1) for leaves in paths] + [(leaves, 1, 2) for leaves in cuts]
         for leaves, inside, rest in cases:
             given = [inside if leaf in leaves else rest for leaf in names]
@@ -199,17 +189,15 @@ class _Proof:
         if self.options.filter and names:
             row = f"({', '.join(names)},)"
             lines.expect(f"values = {row}\n{row} = self.filter.apply(values)")
-        values = dict(zip(names, self.functions.leaves.values(), strict=True))
-        values |= {"0": self.functions.constant[0], "2": self.functions.constant[1]}
-
+        values = {name: k for k, name in enumerate(names)} | self.constants
         while gates := [of for form in _GATES if (of := lines.find(form)) is not None]:
             for of in gates:
                 args = values[of["a"]], values[of.get("b", of["r"])]
                 values[of["r"]] = self.functions.gate("And" if of["sign"] == "<" else "Or", args)
         returned = lines.take("return V")["V"]
-        flags = [*map(ast.unparse, getattr(returned, "elts", ()))]
+        flags = [*map(ast.unparse, returned.elts if isinstance(returned, ast.Tuple) else ())]
         if len(flags) != len(self.consert.guarantees):
-            raise UnprovedError(returned, "it returns other guarantees")
+            raise UnprovedError(returned)
         for flag, guarantee in zip(flags, self.consert.guarantees, strict=True):
             name = flag.removesuffix(" == 2")
             if flag == name or name not in values:
@@ -239,6 +227,8 @@ class _Proof:
         lines.expect("eddi_runtime.look_again(source, t_ns)")
         guarantees = self.consert.guarantees
         names = unpacked(lines, "self.step(source)", len(guarantees))
+        if "t_ns" in names:
+            raise UnprovedError(None, "a name has two meanings")
         expected = [
             {"id": self.options.published(of.id), "active": Call(name)}
             for of, name in zip(guarantees, names, strict=True)

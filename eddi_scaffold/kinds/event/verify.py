@@ -28,14 +28,10 @@ def verify(
     """
     monitor = emitted.monitor("event.EventMonitor")
     needs = needs_of(program, emitted.declared.inputs)
-    events = [
-        Call(
-            "event.Event",
-            (result.id, result.hazard, places),
-            {"accepts": accepts} if accepts else {},
-        )
-        for result, places, accepts in zip(program.results, needs, accepted, strict=True)
-    ]
+    events = []
+    for result, places, accepts in zip(program.results, needs, accepted, strict=True):
+        named = {"accepts": accepts} if accepts else {}
+        events.append(Call("event.Event", (result.id, result.hazard, places), named))
     emitted.attribute(monitor, "events", tuple(events))
     of_inputs(emitted, monitor, program, units)
     emitted.end(monitor)

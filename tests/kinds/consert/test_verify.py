@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import time
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,19 @@ def test_a_mutant_that_is_called_proved_is_equal_by_exhaustion() -> None:
     assert seen > 150
 
 
+RETURNED = """\
+(
+            Lift == 2,  # Lift
+            Lower == 2,  # Lower
+            2 == 2,  # Stop
+        )"""
+EXECUTED = """\
+Lift, Lower, Stop = self.step(source)
+        self.look(t_ns)
+        return [{"id": "Lift", "active": Lift}, {"id": "Lower", "active": Lower}"""
+LOST = re.sub(r"Lift\b(?!\")|Lower\b(?!\")", "_", EXECUTED)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
@@ -60,6 +74,11 @@ def test_a_mutant_that_is_called_proved_is_equal_by_exhaustion() -> None:
         ('in {"none", "low"}', 'in {"none"}', "it is not as the model says"),
         ('paths=(("Clear", "Light"),)', 'paths=(("Clear",),)', "paths=(('Clear',),)"),
         (", source):\n", ", source):\n        self.judge = None\n", "it is not as the model says"),
+        ("step(self, source):", "step(self, source) -> print():", "it has no known form"),
+        ("consert.Binary(),", '("consert.Binary", (), {}),', "leaves 1 is ('consert.Binary'"),
+        (RETURNED, "{Lift == 2, Lower == 2, 2 == 2}", "it has no known form"),
+        (EXECUTED, LOST, "a name has two meanings"),
+        (EXECUTED, re.sub(r'Lift\b(?!")', "t_ns", EXECUTED), "a name has two meanings"),
         ("Lower == 2,", "Lower,", "it has no known form"),
         ("self.judge(1, Light)", "self.judge(0, Light)", "it is not as the model says"),
         ("source.Clear, source.Light", "source.Light, source.Clear", "it is not as the model says"),
@@ -127,6 +146,7 @@ EDDIInputs:
         (" < 5.0 else", " <= 5.0 else"),
         ("= expressions.stamp(t, ages.get", "= expressions.stamp(t, messages.get"),
         ('= {"scan": ("message", "scan")', '= {"scan": ("message", "odom")'),
+        ('= {"scan": (', '= {**vars(), "scan": ('),
         ("expression=Expression_Slow", "expression=Expression_Clear"),
         ("    type = ", "    hazard = True\n    type = "),
         ("self.last = t\n", ""),
