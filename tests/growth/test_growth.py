@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from eddi_scaffold.kinds import kinds
 from tests.fuzz.damage import Reader, Sample
 from tests.fuzz.readers import readers
 from tests.growth.inputs import GROWING, Growing
@@ -29,6 +30,14 @@ FEWER |= {"deployment: robots that fulfil a demand": 3}  # a model for each
 MOST = 1.25
 """How much faster than the input the work may grow; with a square it is twice as fast."""
 _READERS: dict[str, Reader] = {}
+
+
+@pytest.fixture(autouse=True)
+def no_vectors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take test vectors away: their work grows until a bound of its own."""
+    for kind in kinds().values():
+        monkeypatch.setattr(kind.model_class, "vectors", lambda *_: "")
+    monkeypatch.setattr("eddi_scaffold.conditions.standalone.vectors_file", lambda _: {})
 
 
 def reader_of(one: Growing, folder: Path) -> Reader:
