@@ -300,5 +300,6 @@ def network_vectors(
 
     ages = vectors.age_rows(inputs, first, at_start)
     rows = itertools.chain[vectors.Run | list[object]](ages, of.runs(first, cases))
-    is_complete = not of.remembers and len(cases) == math.prod(map(len, fed.values()))
+    is_complete = len(cases) == math.prod(map(len, fed.values())) and not of.remembers
+    is_complete = is_complete and options.on_inconsistent == "silent"  # else impossible ones lack
     return vectors.fitting_file(about, inputs, rows, complete=is_complete)
