@@ -1,23 +1,19 @@
-"""Test vectors of a perception scope: windows of the reference that move away from it.
+"""Test vectors of a perception scope: windows of the reference, of which a feature moves away.
 
-Statistics are computed by their definition over the pooled sample, without ranks that are kept.
+Statistics are by their definition; bounds of probabilities, which are tables, are for ``verify``.
 """
 
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
 from decimal import ROUND_CEILING, Context, Decimal
-from fractions import Fraction
-from itertools import accumulate, pairwise
-from pathlib import Path
+from operator import mul
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eddi_scaffold.evidence.vectors import MOST_BYTES, Run, Step, text, vectors_file
+from eddi_scaffold.evidence.vectors import Run, Step, changed, fitting_file
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.safeml.scope import SafeMLOptions
@@ -25,45 +21,27 @@ if TYPE_CHECKING:
 
 Row = Sequence[float]
 _MOST_WORK = 20_000_000  # pooled values that are looked at
-_NEAR = 1e-9  # relative: nothing is expected of what rounding decides
-_LARGEST = 3e38  # of what is given: a float32 can hold it
-_FAR = 64.0  # in units of an axis: beyond all that is compared
-_ASIDE, _WIDE = 8, 1e4  # samples that one axis does not see: so it has to be this one
-_TRIED = 30  # windows of the reference
-_HALVED = 14  # how often the way there is, until a window is just above the threshold
-_LIMITS = {"cvm": (1 / 6, 1 / 45, 2 / math.pi**2), "ad": (1.0, 2 * (math.pi**2 - 9) / 3, 1.0)}
-"""Mean and variance of the limiting laws, and growth of a quantile per -ln(level)."""
-_NAMES = {
-    "ks": "KolmogorovSmirnovDistance",
-    "cvm": "CramerVonMisesDistance",
-    "ad": "AndersonDarlingDistance",
-}
+_LARGEST = 1e36  # range of a feature: a float32 can hold what is as far away as can be
+_FAR, _HALVED = 64.0, 16  # the longest way, in ranges of a feature, and how often it is halved
 
 
 class Definition:
     """The monitor, which looks through reference and window anew in each step."""
 
     def __init__(self, options: SafeMLOptions) -> None:
-        self.options, self.plan = options, options.plan
-        design, settings = self.plan.design, self.plan.settings
-        self.settings, self.n, self.m = settings, self.plan.n, settings.window_size
-        self.rows: list[Row] = design.sample.tolist()
-        self.table: list[Row] = [] if design.table is None else design.table.tolist()
-        if not self.table:
-            self.rows = [*zip(*self.rows, strict=True)]
+        self.plan, self.settings = options.plan, options.plan.settings
+        self.n, self.m = self.plan.n, self.settings.window_size
+        self.max_age_ns = math.inf if options.max_age is None else options.max_age * 1e9
+        rows, table = self.plan.design.sample.tolist(), self.plan.design.table
+        self.table: list[Row] = [] if table is None else table.tolist()
+        self.rows: list[Row] = rows if self.table else [*zip(*rows, strict=True)]
         self.reference = np.sort([*zip(*map(self.values, self.rows), strict=True)])
-        self.law = [] if settings.metric == "ks" else [*_law(settings.metric, self.n, self.m)]
-        self.limits = [self.scaled(value) for value in (self.plan.threshold, self.plan.theoretical)]
+        # it is written with nine digits, not below
+        limit = Context(9, ROUND_CEILING).create_decimal(Decimal(self.plan.threshold))
+        self.limit = self.plan.scale(float(limit))
         self.window: list[Row] = []  # values of the tests
-        self.phase = self.accepted = self.rejected = 0
+        self.phase = self.accepted = self.rejected = self.accepted_ns = 0
         self.violation = False
-        self.accepted_ns: int | None = None
-
-    def scaled(self, limit: float) -> float:
-        """Return a threshold as it is used: of nine digits, not below."""
-        if self.settings.metric == "ks":
-            return int(limit) / (self.n * self.m)
-        return float(Context(9, ROUND_CEILING).create_decimal(Decimal(limit)))
 
     def values(self, row: Row) -> Row:
         """Return the value of each test."""
@@ -71,215 +49,100 @@ class Definition:
             return row
         centre, scale, *axes = self.table
         z = [(x - c) / s for x, c, s in zip(row, centre, scale, strict=True)]
-        tests = [_dot(axis, z) for axis in axes]
-        if self.plan.design.floor is None:
-            return tests
-        rest = [x - _dot(tests, parts) for x, parts in zip(z, zip(*axes, strict=True), strict=True)]
-        size = math.sqrt(_dot(rest, rest))
-        return [*tests, size if size >= self.plan.design.floor else 0.0]
+        tests = [math.fsum(map(mul, axis, z)) for axis in axes]
+        if (floor := self.plan.design.floor) is not None:
+            rest = math.dist(z, [math.fsum(map(mul, tests, of)) for of in zip(*axes, strict=True)])
+            tests.append(rest if rest >= floor else 0.0)
+        return tests
 
-    def sample(self, row: Row) -> Row:
-        """Return the values of the tests for what comes as a message."""
-        if self.plan.single:
-            row = struct.unpack(f"{len(row)}f", struct.pack(f"{len(row)}f", *row))
-        return self.values(row)
+    def with_sample(self, row: Row) -> list[Row]:
+        """Return the window after a sample."""
+        given = [float(np.float32(x)) for x in row] if self.plan.single else row
+        return [*self.window, self.values(given)][-self.m :]
 
-    def statistic(self, test: int, window: Sequence[Row]) -> float:
-        """Return the distance of the empirical distributions F and G, by definition."""
-        reference, own = self.reference[test], np.sort([row[test] for row in window])
+    def statistics(self, window: Sequence[Row]) -> Iterator[float]:
+        """Yield of each test the distance of the distributions F and G, by definition."""
         n, m, total = self.n, self.m, self.n + self.m
-        pooled = np.concatenate([reference, own])
-        f, g = (np.searchsorted(of, pooled, side="right") for of in (reference, own))
-        gaps = m * f - n * g  # n m (F - G)
-        if self.settings.metric == "ks":
-            return int(np.abs(gaps).max()) / (n * m)
-        if self.settings.metric == "cvm":
-            return float(Fraction(sum(gap * gap for gap in gaps.tolist()), n * m * total**2))
-        b = (f + g).astype(float)  # what is done element by element is the same on each machine
-        d, b = (total * f - n * b)[b < total], b[b < total]
-        return math.fsum((d * d / (b * (total - b))).tolist()) / (n * m)
-
-    def tail(self, value: float) -> float:
-        """Return the probability of at least a distance, for independent samples."""
-        if not self.law:
-            x = value * math.sqrt(self.n * self.m / (self.n + self.m))
-            terms = (math.exp(-2 * (j * x) ** 2) * (-1) ** (j + 1) for j in range(1, 101))
-            return 1.0 if x < 0.2 else min(1.0, max(0.0, 2 * math.fsum(terms)))
-        *points, (slope, _) = self.law
-        k = sum(point <= value for point, _ in points)
-        if k == 0:
-            return 1.0
-        (low, level), above = points[k - 1], points[k : k + 1]
-        rate = math.log(level / above[0][1]) / (above[0][0] - low) if above else 1 / slope
-        return level * math.exp(-(value - low) * rate)
+        for pair in zip(self.reference, np.sort([*zip(*window, strict=True)]), strict=True):
+            f, g = (np.searchsorted(of, np.concatenate(pair), side="right") for of in pair)
+            gaps, weights = m * f - n * g, (f + g) * (total - f - g)  # n m (F - G)
+            if self.settings.metric == "ks":
+                yield int(np.abs(gaps).max()) / (n * m)
+            elif self.settings.metric == "cvm":
+                yield int((gaps * gaps).sum()) / (n * m * total**2)
+            else:  # what is done element by element is the same on each machine
+                parts = (gaps * gaps)[weights > 0] / weights[weights > 0]
+                yield math.fsum(parts.tolist()) / (n * m)
 
     def step(self, t: int, value: Any) -> dict[str, Any]:
         """Return the results of a step with samples, or with what is none."""
-        max_age = math.inf if self.options.max_age is None else self.options.max_age
-        if self.accepted_ns is not None and t - self.accepted_ns > max_age * 1e9 * (1 + _NEAR):
+        if self.accepted and t - self.accepted_ns > self.max_age_ns * (1 + 1e-9):
             self.window, self.phase = [], 0
-        if value in (None, {"is": "absent"}):
-            return self._result("filling" if self.accepted_ns is None else "stale")
-        bad = []
-        for row in value if isinstance(value, list) and value else [value]:
-            length = len(row) if isinstance(row, list) else -1
-            if length != len(self.rows[0]):
-                bad.append("wrong_length" if length else "empty")
-            elif not all(isinstance(x, int | float) for x in row):
+        bad: list[str] = []
+        for row in value if isinstance(value, list) else () if value is None else [value]:
+            if not isinstance(row, list) or len(row) != len(self.rows[0]):
+                bad.append("empty" if row == [] else "wrong_length")
+            elif not all(isinstance(x, float) for x in row):
                 bad.append("not_finite")
             else:
                 self.accepted, self.accepted_ns = self.accepted + 1, t
                 if self.phase % self.settings.stride == 0:
-                    self.window = [*self.window, self.sample(row)][-self.m :]
+                    self.window = self.with_sample(row)
                 self.phase += 1
         self.rejected += len(bad)
-        is_full = len(self.window) == self.m
-        return self._result(bad[0] if bad else "" if is_full else "filling")
-
-    def _result(self, reason: str) -> dict[str, Any]:
-        value: float | None = None
-        component, bound = -1, None
-        if not reason:
-            statistics = [self.statistic(k, self.window) for k in range(self.plan.tests)]
-            value = max(statistics)
-            component = statistics.index(value)
-            self.violation = value >= self.limits[0]
-            # of ten digits: the last ones differ between machines
-            bound = float(f"{min(1.0, self.plan.tests * self.tail(value)):.10g}")
-        return {
-            "omission": reason != "",
-            "odd_violation": self.violation and (not reason or self.settings.on_omission == "hold"),
-            "statistic": value,
-            "component": component,
-            "p_value_bound": bound,
-            "threshold": self.limits[0],
-            "threshold_theoretical": self.limits[1],
-            "significance_level": self.settings.significance_level,
-            "accepted": self.accepted,
-            "rejected": self.rejected,
-            "reason": reason,
-        }
+        bad += ["stale"] if value is None and self.accepted else []
+        reason = (*bad, "" if len(self.window) == self.m else "filling")[0]
+        values = [] if reason else [*self.statistics(self.window)]
+        self.violation = max(values) >= self.limit if values else self.violation
+        is_kept = not reason or self.settings.on_omission == "hold"
+        shown = {"reason": reason, "accepted": self.accepted, "rejected": self.rejected}
+        shown |= {"omission": reason != "", "odd_violation": self.violation and is_kept}
+        component = values.index(max(values)) if values else -1
+        return {**shown, "statistic": max(values, default=None), "component": component}
 
 
-def _dot(a: Row, b: Row) -> float:
-    return math.fsum(x * y for x, y in zip(a, b, strict=True))
+def _run(options: SafeMLOptions, feature: int) -> Run:
+    """Return a window of the reference, of which sample after sample moves along a feature."""
+    of, steps, results = Definition(options), list[Step](), dict[str, Any]()
+    period, t = round(1e9 / (options.frequency or 10.0)), 0
+    digits = 9 if of.plan.single else 17
+    base = [[float(f"{x:.{digits}g}") for x in of.rows[k * of.n // of.m]] for k in range(of.m)]
+    span = min(float(np.ptp([row[feature] for row in of.rows])), _LARGEST) or 1.0
 
+    def play(value: Any, wait: int = period) -> None:
+        nonlocal t, results
+        times = range(of.settings.stride)  # so that each sample enters the window
+        value = [row for row in value for _ in times] if isinstance(value, list) else value
+        t, before = t + wait, results
+        results = of.step(t, value)
+        steps.append(Step(t, {options.input_id: value}, changed(before, results)))
 
-def _law(metric: str, n: int, m: int) -> Iterator[tuple[float, float]]:
-    """Yield critical values with their levels, at last the slope beyond.
+    def moved(row: Row, way: float) -> tuple[list[float], bool]:
+        value = float(f"{row[feature] + way * span:.9g}")
+        sample = [*row[:feature], value, *row[feature + 1 :]]
+        return sample, max(of.statistics(of.with_sample(sample))) >= of.limit
 
-    Quantiles of the limit are brought to mean and variance of finite samples (Anderson 1962; Scholz
-    and Stephens 1987, section 2, for two samples).
-    """
-    total, mean, (limit_mean, limit_variance, slope) = n + m, 1.0, _LIMITS[metric]
-    if metric == "cvm":
-        mean = (1 + 1 / total) / 6
-        spread = 4 * n * m * total - 3 * (n * n + m * m) - 2 * n * m
-        variance = (total + 1) * spread / (180 * n * m * total**2)
-    else:
-        sums = [0.0, *accumulate(1 / i for i in range(1, total))]
-        h, r = sums[-1], 1 / n + 1 / m
-        g = math.fsum((h - sums[i]) / (total - i) for i in range(1, total - 1))
-        a = 4 * g - 6 + (10 - 6 * g) * r
-        b = 12 * g - 22 + 8 * h + (2 * g - 14 * h - 4) * r
-        c = 36 * h + 4 + (2 * h - 6) * r
-        product = (total - 1) * (total - 2) * (total - 3)
-        variance = (a * total**3 + b * total**2 + c * total + 24) / product
-    width = math.sqrt(variance / limit_variance)
-    for line in Path(__file__).with_name("quantiles.txt").read_text("utf-8").splitlines()[1:]:
-        level, *quantiles = map(float, line.split())
-        yield mean + (quantiles[metric == "ad"] - limit_mean) * width, level
-    yield slope * width, 0.0
-
-
-class _Play:
-    """A run in the making."""
-
-    def __init__(self, definition: Definition) -> None:
-        self.definition, self.steps, self.t = definition, list[Step](), 0
-        self.period = round(1e9 / (definition.options.frequency or 10.0))
-        self.results: dict[str, Any] = {}
-
-    def step(self, value: Any, wait: int = 0, *, is_row: bool = True) -> None:
-        """Add a step; of each row as many as one that enters the window needs."""
-        times = self.definition.settings.stride if is_row else 1
-        value = [row for row in value for _ in range(times)] if times > 1 else value
-        self.t += wait or self.period
-        old, self.results = self.results, self.definition.step(self.t, value)
-        changes = {key: of for key, of in self.results.items() if key not in old or old[key] != of}
-        self.steps.append(Step(self.t, {self.definition.options.input_id: value}, changes))
-
-
-def _directions(of: Definition, test: int) -> Iterator[Row]:
-    """Yield how a sample moves so that this test sees the most of it, then what it does not see."""
-    width = len(of.rows[0])
-    units = [[float(k == feature) for k in range(width)] for feature in range(width)]
-    if not of.table:
-        spread = min(float(of.reference[test][-1] - of.reference[test][0]), _LARGEST) or 1.0
-        yield [x * spread for x in units[test]]
-        return
-    _, scale, *axes = of.table
-    seen = [axes[test]] if test < len(axes) else axes
-    aside = [
-        [x - sum(axis[k] * axis[feature] for axis in seen) for k, x in enumerate(unit)]
-        for feature, unit in enumerate(units)
-    ]
-    most = seen[0] if test < len(axes) else max(aside, key=lambda rest: _dot(rest, rest))
-    for way in (most, *aside[: _ASIDE if test < len(axes) else 0]):
-        yield [x * s for x, s in zip(way, scale, strict=True)]
-
-
-def _run(of: Definition, test: int, base: Sequence[Row]) -> Run:
-    """Return a window of the reference, of which row after row moves away in one direction."""
-    play, (direction, *aside) = _Play(of), _directions(of, test)
-
-    def moved(row: Row, offset: float, direction: Row = direction) -> list[float]:
-        digits = 9 if of.plan.single else 12 if offset else 17
-        pairs = zip(row, direction, strict=True)
-        values = [min(max(x + offset * way, -_LARGEST), _LARGEST) for x, way in pairs]
-        return [float(f"{value:.{digits}g}") for value in values]
-
-    def is_above(row: Row, limit: float) -> bool:
-        return of.statistic(test, [*of.window[1:], of.sample(row)]) >= limit
-
-    play.step([moved(row, 0.0) for row in base[:-1]])
-    play.step([moved(base[-1], 0.0)])
-    targets = [of.limits[0]] * 2  # just below it, then just above
-    if test == 0:
-        points = [point for point, _ in of.law[:-1]]
-        targets += [low / 2 + high / 2 for low, high in pairwise(points)] + [
-            p + 1 for p in points[-1:]
-        ]
-    begun = play.results["statistic"] or 0.0
-    targets = sorted(target for target in targets if target > begun)
+    play(base[:-1])
+    play(base[-1:])
+    ends = 0  # just below the threshold, just above, just below
     for row in base:
-        low, high = 0.0, _FAR
-        if targets and is_above(moved(row, high), targets[0]):
-            for _ in range(_HALVED):
-                middle = (low + high) / 2
-                is_high = is_above(moved(row, middle), targets[0])
-                low, high = (low, middle) if is_high else (middle, high)
-            is_below = targets.count(targets.pop(0)) == 1 and of.limits[0] in targets[:1]
-            high = low if is_below else high
-        if targets or high != _FAR:
-            play.step([moved(row, high)])
-    for k, way in enumerate(aside):
-        play.step([moved(base[k % len(base)], _WIDE * (-1) ** k, way)])
-    if test == 0:
-        _spoil(play, moved(base[0], _FAR))
-    return Run(f"shift:{of.plan.labels[test]}", play.steps)
-
-
-def _spoil(play: _Play, row: list[float]) -> None:
-    """Add what is no sample, each followed by one, then samples that come late."""
-    no_rows = ["text", True, {"is": "object"}, {"is": "absent"}, None, []]
-    for value in (*no_rows, [row[1:]], [[{"is": "nan"}, *row[1:]]]):
-        play.step(value, is_row=False)
-        play.step([row])
-    max_age = play.definition.options.max_age
-    if max_age is not None:
-        play.step([row], math.floor(max_age * 1e9))
-        play.step([row], math.ceil(max_age * 1e9 * (1 + _NEAR)) + 1)
+        low, high, is_end = 0.0, _FAR, moved(row, _FAR)[1]
+        for _ in range(_HALVED * is_end):
+            middle = (low + high) / 2
+            low, high = (low, middle) if moved(row, middle)[1] else (middle, high)
+        play([moved(row, low if is_end and ends != 1 else high)[0]])
+        if (ends := ends + is_end) == 3:
+            break
+    if feature == 0:
+        sample = base[0]
+        wrong = [[[]], [sample[1:]], [[{"is": "nan"}, *sample[1:]]]]
+        for value in ("text", True, {"is": "object"}, None, *wrong):
+            play(value)
+            play([sample])
+        if options.max_age is not None:
+            play([sample], math.floor(of.max_age_ns))
+            play([sample], math.ceil(of.max_age_ns * (1 + 1e-9)) + 1)
+    return Run(f"moved:feature {feature}", steps)
 
 
 def safeml_vectors(
@@ -287,22 +150,8 @@ def safeml_vectors(
 ) -> str:
     """Return the content of ``vectors.json``, empty where it would be too much."""
     plan, m = options.plan, options.plan.settings.window_size
-    work = plan.tests * (plan.n + m) * (m + 60)
-    if work > _MOST_WORK:
+    features = plan.design.sample.shape[0 if plan.design.table is None else 1]
+    if features * plan.tests * (plan.n + m) * (m + 3 * _HALVED) > _MOST_WORK:
         return ""
-    name = _NAMES[plan.settings.metric]
-    lists: dict[str, list[Any]] = {"tables": [("metric_name", name)], "runs": []}
-    of, tests = Definition(options), range(plan.tests)
-    starts = range(max(1, min(plan.n // m, _TRIED)))
-    bases = [[of.rows[k * of.n // m + start] for k in range(m)] for start in starts]
-    windows = [[*map(of.values, base)] for base in bases]
-    distances = [max(of.statistic(test, window) for test in tests) for window in windows]
-    base = bases[distances.index(min(distances))]  # as much like the reference as can be
-    size, complete = len(vectors_file(about, inputs, lists, complete=False)), True
-    for test in tests:
-        run = _run(copy(of), test, base)
-        length = len(text(run).encode()) + 4
-        fits = size + length < MOST_BYTES
-        size, complete = size + length * fits, complete and fits
-        lists["runs"] += [run] * fits
-    return vectors_file(about, inputs, lists, complete=complete) if lists["runs"] else ""
+    rows = (_run(options, feature) for feature in range(features))
+    return fitting_file(about, inputs, rows, complete=True)
