@@ -74,5 +74,6 @@ def cycles(inputs: Mapping[str, Sequence[str]]) -> list[list[str]]:
             cycle = failure.args[1][1:]
         start = cycle.index(min(cycle, key=place.__getitem__))
         circles.append(cycle[start:] + cycle[:start])
-        remaining = {id_: sources for id_, sources in remaining.items() if id_ not in cycle}
+        for id_ in cycle:
+            del remaining[id_]
     return sorted(circles, key=lambda cycle: place[cycle[0]])
