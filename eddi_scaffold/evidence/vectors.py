@@ -205,7 +205,7 @@ def run_row(run: Any, results: Callable[[Any], Mapping[str, Any]]) -> list[objec
         expected, period = results(result), given.t - t
         pairs = (values, given.values), (told, expected), (ages, given.ages)
         changes = [
-            {name: _said(raw) for name, raw in now.items() if before.get(name, before) is not raw}
+            {name: as_json(raw) for name, raw in now.items() if before.get(name, before) is not raw}
             for before, now in pairs
         ]
         if any(changes) or period <= 0:
@@ -218,10 +218,10 @@ def run_row(run: Any, results: Callable[[Any], Mapping[str, Any]]) -> list[objec
     return [run.shows, rows]
 
 
-def _said(raw: Any) -> Any:
+def as_json(raw: Any) -> Any:
     """Return a value as JSON says it."""
     if isinstance(raw, list):
-        return [*map(_said, raw)]
+        return [*map(as_json, raw)]
     if isinstance(raw, float) and not math.isfinite(raw):
         return {"is": str(raw)}
     return {"is": "object"} if type(raw) is object else raw

@@ -77,8 +77,6 @@ class _Vectors:
             got = spec and [*spec[:7], spec.expression is not None, spec.accepts, spec.claims]
             yield from _compared(f"input {row and row[0]}", row, got)
         yield from _compared("topics", self.data["topics"], getattr(monitor, "topics", {}))
-        for name, rows in self.data.get("tables", ()):
-            yield from _compared(name, rows, getattr(monitor, name))
 
     def source(self, values: Values) -> SimpleNamespace:
         named = {name: _value(values[id_]) for id_, name in self.attributes.items()}
