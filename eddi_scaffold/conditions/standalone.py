@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from eddi_scaffold.common.problems import Place, Problem, has_errors, plural, problem
 from eddi_scaffold.conditions.analysis import Analysis
-from eddi_scaffold.conditions.c_vectors import vectors_file
+from eddi_scaffold.conditions.c_vectors import vectors_of_conditions
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import duration_text, is_list_path
 from eddi_scaffold.program.c_files import c_files
@@ -111,7 +111,9 @@ def generate(analysis: Analysis, target: Target, name: str) -> dict[str, str]:
         EddiError: the language has no lists or texts yet (E026).
     """
     model = monitor_model(analysis, name)
-    return python_module(model) if target == "python" else c_files(model) | vectors_file(model)
+    if target == "python":
+        return python_module(model)
+    return c_files(model) | vectors_of_conditions(model)
 
 
 def without_limits(analysis: Analysis, file: str) -> list[Problem]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
+from eddi_scaffold.conditions.c_vectors import vectors_of_conditions, vectors_of_consert
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.insertion import with_map
@@ -59,7 +61,11 @@ def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, st
             problem("E026.kind", model.place, target=target, title=kind.title, model=model.name)
         )
     source = (f"{kind.title} {model.name}", f"{model.source.file_name} {model.place.path or ''}")
-    return c_files(named(program, name, source, kind=kind.name))
+    printed = named(program, name, source, kind=kind.name)
+    if kind.name != "consert":
+        return c_files(printed) | vectors_of_conditions(printed)
+    text = model.vectors(monitor.bound, {})
+    return c_files(printed) | (vectors_of_consert(printed, json.loads(text)) if text else {})
 
 
 def without_limits(monitor: BoundMonitor) -> list[Problem]:

@@ -1,7 +1,7 @@
-/* Test vectors of the conditions, $header.
+/* Test vectors, $header.
  *
- * main returns the number of failures, at most 100. Compile it with ${name}_event.c. */
-#include "${name}_event.h"
+ * main returns the number of failures, at most 100. Compile it with ${name}_${kind}.c. */
+#include "${name}_${kind}.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 static const char *const runs[] = {
 $runs};
 
-/* Run, nanoseconds, event, what is expected, arguments. NAN is an UNKNOWN number. */
+/* Run, nanoseconds, result, what is expected, arguments. NAN is an UNKNOWN number. */
 static const double steps[][$columns] = {
 $steps};
 
@@ -24,7 +24,7 @@ int main(void)
             ${name}_reset(&monitor);
         }
         (void)${name}_step(&monitor, (int64_t)s[1]$arguments);
-        const double got = (double)monitor.$got;
+        const double got = $got;
         if (!(isnan(got) && isnan(s[3])) && !(fabs(got - s[3]) <= 1e-9 * fabs(s[3]))) {
             printf("%s, at %.0f ns: expected %.17g, got %.17g\n", runs[run], s[1], s[3], got);
             failures++;

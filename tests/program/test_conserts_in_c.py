@@ -1,13 +1,17 @@
 """A ConSert in C99: the verdicts of its Python monitor, whatever is unknown or too old."""
 
 import itertools
+import json
 import math
 import random
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.conditions.analysis import ExpressionText, compile_input
+from eddi_scaffold.conditions.c_vectors import vectors_of_consert
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     CategoricalDimension,
@@ -120,6 +124,44 @@ def test_c_agrees_with_the_compiled_python(tmp_path: Path) -> None:
         played.append((named(program, f"m{number}", ["a ConSert"], kind="consert"), steps))
     assert verdicts_in_c(tmp_path, played) == wanted
     assert {verdict for row in wanted for verdict in row} == {0, 1, 2}
+
+
+@pytest.mark.parametrize("settings", SETTINGS[1:])
+def test_vectors_tell_a_changed_consert(settings, tmp_path: Path) -> None:
+    made = consert(
+        evidence=["a", ("b", binary(good=False)), ("n", numeric("[0, 10]", "[20, 30)"))],
+        demands=["d"],
+        gates=["and1&", "or1|"],
+        guarantees=["G"],
+        edges=["a>and1", "b>and1", "n>and1", "and1>or1", "d>or1", "or1>G"],
+        specs={"a": {"max_age": OLD, "requires": ["a"]}},
+        **settings,
+    )
+    model = named(made.compiled().program, "demo", ["a ConSert"], kind="consert")
+    files = c_files(model) | vectors_of_consert(
+        model, json.loads(made.model.vectors(made.declaration.inputs, {}))
+    )
+    steps = dict([settings["filtered"]] if settings else [])
+    changes = {
+        "": "",
+        " = least(r": " = greatest(r",
+        " = greatest(r": " = least(r",
+        "2 - v_b": "v_b",
+        "INT64_C(250000000)": "INT64_C(250000001)",
+        "v_n < 30.0": "v_n <= 30.0",
+        "20.0 <= v_n": "20.000000000000004 <= v_n",
+        "isnan(v_n)": "v_n > 1e300",
+    }
+    changes |= {f" {n}u": f" {n + 1}u" for n in steps.values()}
+    for before, after in changes.items():
+        head, body = files["demo_consert.c"].split("demo_step(", 1)
+        assert before in body, before
+        changed = f"{head}demo_step({body.replace(before, after)}"
+        write_files(tmp_path, files | {"demo_consert.c": changed})
+        sources = [str(tmp_path / name) for name in ("demo_consert.c", "demo_vectors.c")]
+        compile_c([*sources, "-Wno-unused-function", "-o", str(tmp_path / "demo"), "-lm"])
+        done = subprocess.run([str(tmp_path / "demo")], capture_output=True, text=True, check=False)
+        assert (done.returncode == 0) == (before == ""), (before, done.stdout[:500])
 
 
 def test_expressions_of_inputs_are_part_of_the_program(tmp_path: Path) -> None:
