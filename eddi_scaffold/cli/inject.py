@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from eddi_scaffold.cli.console import ExitStatus, console
-from eddi_scaffold.cli.options import Files
-from eddi_scaffold.cli.run import recorded
-from eddi_scaffold.common.problems import EddiError, problem
+from eddi_scaffold.cli.options import Files, in_a_folder
+from eddi_scaffold.cli.run import members_of, recorded
+from eddi_scaffold.common.problems import EddiError, Place, plural, problem
 
 _HEAD = ("guarantee", "fault", "on", "measured", "bound", "within", "verdict")
+_OPTIONS = {"-c": (), "--name": None, "-g": (), "--system": None, "--models": None}
 
 
 def inject(
@@ -21,6 +23,7 @@ def inject(
     bag: Path | None = None,
     faults: str | None = None,
     phases: Annotated[int, typer.Option("--phases", min=1, max=1000)] = 8,
+    vectors: Annotated[Path | None, typer.Option("--vectors", callback=in_a_folder)] = None,
     as_json: bool = False,
 ) -> None:
     """Inject faults into a recording.
@@ -37,12 +40,16 @@ def inject(
         faults: Only these of `Reactions:`, with commas between them.
         phases: How often each fault is injected, at other times and with other starts of the
             monitors.
+        vectors: Inject nothing: write the test vectors of a ConSert as this bag, of ROS 1 (`.bag`)
+            or 2.
     """
+    if vectors is not None:
+        _write_vectors(vectors, files or [])
+        return
     from eddi_scaffold.config.schema import FAULTS
     from eddi_scaffold.deployments.injection import Injector
 
-    options = {"-c": (), "--name": None, "-g": (), "--system": None, "--models": None}
-    members, recording = recorded(files or [], inputs, bag, None, options, code=False)
+    members, recording = recorded(files or [], inputs, bag, None, _OPTIONS, code=False)
     chosen = [name.strip() for name in faults.split(",")] if faults else FAULTS
     if unknown := [name for name in chosen if name not in FAULTS]:
         raise typer.BadParameter(f"{unknown[0]!r}; there are {', '.join(FAULTS)}")
@@ -66,3 +73,23 @@ def inject(
             console.data(line.rstrip())
     if any(row.verdict != "met" and not row.is_accepted for row in rows):
         raise typer.Exit(ExitStatus.NO)
+
+
+def _write_vectors(path: Path, files: Sequence[Path]) -> None:
+    from eddi_scaffold.packages.assembly import only
+    from eddi_scaffold.packages.transaction import write
+
+    try:
+        from eddi_scaffold.recordings.vector_bags import bag_of
+    except ImportError:
+        raise EddiError(problem("I010.rosbags")) from None
+
+    members, problems = members_of(files, None, _OPTIONS, code=False)
+    console.problems(problems)
+    bag, number, left = bag_of(only([member.monitor for member in members]), path.name)
+    if not number:
+        raise EddiError(problem("G000.no_vectors", Place(str(path))))
+    write(path.parent, bag)
+    console.data(f"{path}: {plural(number, 'vector')}")
+    if left:
+        console.say(f"these cannot be messages: {', '.join(left)}")

@@ -115,7 +115,7 @@ def recorded(
 
     if (inputs is None) == (bag is None):
         raise EddiError(problem("G000.one_recording"))
-    members, problems = _members(files, workspace, options, code=code)
+    members, problems = members_of(files, workspace, options, code=code)
     without = any(member.monitor.config is None for member in members)
     if inputs is not None:
         members, recording, more = read_values(read_source(inputs), members)
@@ -138,7 +138,7 @@ def recorded(
     return members, recording
 
 
-def _members(
+def members_of(
     files: Sequence[Path], workspace: Path | None, options: Mapping[str, Any], *, code: bool
 ) -> tuple[list[Member], list[Problem]]:
     """Return what is to be played, and warnings."""

@@ -167,7 +167,7 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
         pass
     advice: str | None = f"was the recording cut off? {_repair(path)} saves what is there"
     try:
-        with closing(Bag(path, _own_messages(monitors))) as bag:
+        with closing(Bag(path, own_messages(monitors))) as bag:
             advice = None
             yield bag
     except EddiError:
@@ -188,7 +188,7 @@ def _repair(path: Path) -> str:
     return f"`mcap recover {file} -o saved.mcap`" if file else f"`ros2 bag reindex {path}`"
 
 
-def _own_messages(monitors: Sequence[BoundMonitor]) -> Mapping[str, str]:
+def own_messages(monitors: Sequence[BoundMonitor]) -> Mapping[str, str]:
     """Return the texts of our messages, and of those that configurations define."""
     texts = {f"{MESSAGE_PACKAGE}/{name}": text for name, text in texts_of_messages().items()}
     for monitor in monitors:
