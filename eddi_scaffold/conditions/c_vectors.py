@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from eddi_scaffold.common.escaping import c_comment
@@ -29,7 +29,7 @@ class _Row(NamedTuple):
 def vectors_of_conditions(model: StandaloneMonitor) -> dict[str, str]:
     """Return the name and the text of the file for a monitor of conditions."""
     reads = [read._replace(range=None, infinite=True) for read in model.program.reads]
-    drawings = (Drawing(model.program, k) for k in range(len(model.program.results)))
+    drawings = [Drawing(model.program, k) for k in range(len(model.program.results))]
 
     def rows() -> Iterator[tuple[str, list[_Row]]]:
         for number, run in in_turn(drawings):
@@ -47,7 +47,7 @@ def vectors_of_conditions(model: StandaloneMonitor) -> dict[str, str]:
                 ],
             )
 
-    return _file(model, rows())
+    return _file(model, rows(), lambda: filter(None, (of.missed for of in drawings)))
 
 
 def vectors_of_consert(model: StandaloneMonitor, vectors: Mapping[str, Any]) -> dict[str, str]:
@@ -100,8 +100,15 @@ def _typed(type_: str, value: object) -> Value:
     return float(value) if type_ == "number" and isinstance(value, int | float) else None
 
 
-def _file(model: StandaloneMonitor, tests: Iterable[tuple[str, Sequence[_Row]]]) -> dict[str, str]:
-    """Return the name and the text of the file: what each run shows, and its rows."""
+def _file(
+    model: StandaloneMonitor,
+    tests: Iterable[tuple[str, Sequence[_Row]]],
+    missed: Callable[[], Iterable[str]] = tuple,
+) -> dict[str, str]:
+    """Return the name and the text of the file.
+
+    ``tests``: what each run shows, and its rows; ``missed``: what no run shows, known at the end.
+    """
     reads, runs, steps = model.program.reads, list[str](), list[str]()
     types = [
         type_
@@ -121,8 +128,17 @@ def _file(model: StandaloneMonitor, tests: Iterable[tuple[str, Sequence[_Row]]])
             break
     texts = {"runs": "".join(runs), "steps": "".join(steps), "columns": str(4 + len(types))}
     texts["arguments"] = "".join(f", ({type_})s[{n}]" for n, type_ in enumerate(types, 4))
-    verdict = "s[2] < 0 ? NAN : (double)monitor.events[(int)s[2]].verdict"
-    texts["got"] = "monitor.value" if model.numeric else verdict
+    texts["verdict"], texts["active"], texts["hazards"] = "value", "", ""
+    if not model.numeric:
+        event = "events[(int)s[2]]"
+        active = "s[3] == 2 || (s[3] == 1 && hazards[(int)s[2]])"
+        texts |= {
+            "verdict": f"{event}.verdict",
+            "active": f" || monitor.{event}.active != ({active})",
+        }
+        flags = ", ".join(str(result.hazard).lower() for result in model.program.results)
+        texts["hazards"] = f"static const bool hazards[] = {{{flags}}};\n\n"
+    texts["missed"] = "".join(f"\n * Not shown: {c_comment(of)}." for of in missed())
     text = filled("vectors.c", name=model.name, kind=model.kind, header=HEADER, **texts)
     return {f"{model.name}_vectors.c": text}
 

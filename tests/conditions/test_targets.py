@@ -105,6 +105,7 @@ def test_all_of_c_compiles_and_runs(tmp_path: Path) -> None:
 def test_vectors_of_c_tell_a_changed_monitor(tmp_path: Path) -> None:
     """The vectors see a window or a limit that is one unit off, and another operator."""
     text = "VAR x : NUMBER TIMEOUT 300ms EVENT near := ONCE(x < 1.5, 1s) OR AVERAGE(x, 1s) < 3"
+    text += " EVENT far (HAZARD) := x > 9"
     files = generate(analysis_of(text), "c", "demo")
     changes = {
         "": "",
@@ -115,6 +116,7 @@ def test_vectors_of_c_tell_a_changed_monitor(tmp_path: Path) -> None:
         "v_x, 1.5)": "v_x, 1.5000000000000002)",
         ", 3.0)": ", 2.9999999999999996)",
         "greatest(r3, r6)": "greatest(r3, 2 - r6)",
+        "r9, true)": "r9, false)",
     }
     for before, after in changes.items():
         old = files["demo_event.c"]
