@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from eddi_scaffold.conditions import Analysis
+    from eddi_scaffold.program.standalone import StandaloneMonitor
 
 
 Target = Literal["python", "c"]
@@ -53,7 +54,8 @@ def event(
         target: Language.
         name: What files and functions begin with.
         output: Folder for the files.
-        check: Only check, and describe the condition.
+        check: Only check, and describe the condition. With --target c and --output: whether the C
+            there is it.
         inputs: CSV with a column t and one per variable: try it.
         config: eddi_config.yml of a ConSert.
         serve: Open the page on 127.0.0.1, with the condition.
@@ -61,7 +63,7 @@ def event(
     """
     from eddi_scaffold.conditions import analyse
     from eddi_scaffold.conditions.standalone import as_json as report_json
-    from eddi_scaffold.conditions.standalone import as_text, generate, without_limits
+    from eddi_scaffold.conditions.standalone import as_text, generate, monitor_model, without_limits
     from eddi_scaffold.conditions.tokens import EXPRESSION
     from eddi_scaffold.program.standalone import check_module_name, module_name
 
@@ -71,10 +73,13 @@ def event(
     if not serve and (None not in {text, file} or {text, file, config} == {None}):
         raise EddiError(problem("G000.argument"))
     if not serve and (config is not None or (path is not None and _is_model(path))):
-        if check or inputs is not None:
+        if inputs is not None or (check and output is None):
             raise EddiError(problem("E026.conditions"))
-        report, files = _of_model(path, config, target, name, as_json=as_json)
-        _write(report, files, output, as_json=as_json)
+        report, printed, files = _of_model(path, config, target, name, as_json=as_json)
+        if check and output is not None:
+            _compare(printed, output)
+        else:
+            _write(report, files, output, as_json=as_json)
         return
     source, label = text or "", EXPRESSION
     if path is not None:
@@ -91,16 +96,18 @@ def event(
     if target == "c" and not check and inputs is None:
         problems = (*analysis.problems, *without_limits(analysis, label))
         analysis = replace(analysis, problems=problems)
+    own = path.stem if path is not None else "event"
     if not as_json:
         console.problems(analysis.problems)
     if inputs is not None:
         _try(analysis, inputs, as_json=as_json)
+    elif check and output is not None and target == "c":
+        _compare(monitor_model(analysis, name or module_name(own)), output)
     elif check and as_json:
         console.json(report_json(analysis))
     elif check:
         console.data("\n".join(as_text(analysis)))
     else:
-        own = path.stem if path is not None else "event"
         stem = name or module_name(own)
         if name is None and stem != own:
             console.say(
@@ -161,17 +168,33 @@ def _is_model(path: Path) -> bool:
 
 def _of_model(
     path: Path | None, config: Path | None, target: Target, name: str | None, *, as_json: bool
-) -> tuple[dict[str, Any], Mapping[str, str]]:
-    from eddi_scaffold.monitors.exports import standalone, without_limits
+) -> tuple[dict[str, Any], StandaloneMonitor, Mapping[str, str]]:
+    from eddi_scaffold.monitors.exports import in_c, standalone, without_limits
     from eddi_scaffold.packages.assembly import monitors_of, only
 
     monitors, problems = monitors_of(path, [config] if config is not None else [])
     monitor = only(monitors)
     problems = [*problems, *without_limits(monitor)]
-    files = standalone(monitor, target, name or monitor.package)
+    printed = standalone(monitor, target, name or monitor.package)
     if not as_json:
         console.problems(problems)
-    return {"problems": [problem.as_json() for problem in problems]}, files
+    report = {"problems": [problem.as_json() for problem in problems]}
+    return report, printed, in_c(monitor, printed)
+
+
+def _compare(model: StandaloneMonitor, folder: Path) -> None:
+    """Say whether the C in a folder is a monitor."""
+    from eddi_scaffold.evidence.c_text import difference
+    from eddi_scaffold.program.c_files import library, types
+
+    names = [f"{model.name}_{model.kind}.{suffix}" for suffix in "hc"]
+    texts = {name: read_source(folder / name).text("E001") for name in names}
+    different = difference(model, texts, types(), library().values())
+    if different is not None:
+        file, line, text = different
+        console.data(f"{folder / file}:{line}: differs: {text}")
+        raise typer.Exit(ExitStatus.NO)
+    console.data(f"{', '.join(names)}: proved; not looked at: {model.name}_main.c")
 
 
 def _write(

@@ -17,7 +17,7 @@ from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models, select_models, unfit
 from eddi_scaffold.program.c_files import c_files
-from eddi_scaffold.program.standalone import Target, named
+from eddi_scaffold.program.standalone import StandaloneMonitor, Target, named
 
 
 def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
@@ -48,8 +48,8 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
     return data
 
 
-def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, str]:
-    """Return file name -> text of a standalone monitor; a name begins files and functions.
+def standalone(monitor: BoundMonitor, target: Target, name: str) -> StandaloneMonitor:
+    """Return a model as a standalone monitor; a name begins files and functions.
 
     Raises:
         EddiError: there is none of this kind, or not in this language (E026).
@@ -61,10 +61,14 @@ def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, st
             problem("E026.kind", model.place, target=target, title=kind.title, model=model.name)
         )
     source = (f"{kind.title} {model.name}", f"{model.source.file_name} {model.place.path or ''}")
-    printed = named(program, name, source, kind=kind.name)
-    if kind.name != "consert":
+    return named(program, name, source, kind=kind.name)
+
+
+def in_c(monitor: BoundMonitor, printed: StandaloneMonitor) -> dict[str, str]:
+    """Return file name -> text of a standalone monitor in C99, with its vectors."""
+    if printed.kind != "consert":
         return c_files(printed) | vectors_of_conditions(printed)
-    text = model.vectors(monitor.bound, {})
+    text = monitor.model.vectors(monitor.bound, {})
     return c_files(printed) | (vectors_of_consert(printed, json.loads(text)) if text else {})
 
 

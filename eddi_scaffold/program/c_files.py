@@ -15,7 +15,7 @@ from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.program.c_step import CStep, int64
 from eddi_scaffold.program.instructions import MAX_NS, Read
-from eddi_scaffold.program.standalone import HEADER, StandaloneMonitor, region, unique_names
+from eddi_scaffold.program.standalone import HEADER, StandaloneMonitor, region
 
 _TYPES = {"number": "double ", "text": "const char *"}
 _UNKNOWN = {"number": "NAN", "bool": "EVENT_UNKNOWN", "enum": "-1", "text": "NULL"}
@@ -46,23 +46,32 @@ def c_files(model: StandaloneMonitor) -> dict[str, str]:
     }
 
 
-def functions(body: str) -> str:
-    """Return the static functions that a text calls, and those that they call."""
-    needed, parts = set(_CALLED.findall(body)), []
+def library() -> dict[str, str]:
+    """Return the name and the text of each function that monitors may call."""
     _, *texts = _read("functions.c").split("\n\n")
     folds = [text for text in texts if "FOLD_" in text]
     named: dict[str, str] = {}
-    for text in (text for text in texts if text not in folds):
+    for text in (text.rstrip("\n") for text in texts if text not in folds):
         name = _NAME.findall(text)[0]
         named[name] = text
-        if name.endswith("_gather"):
-            for fold in folds:
-                function = fold.replace("FOLD_", name.removesuffix("gather"))
-                named[_NAME.findall(function)[0]] = function
-    for name, function in reversed(named.items()):
+        for fold in folds if name.endswith("_gather") else ():
+            function = fold.replace("FOLD_", name.removesuffix("gather")).rstrip("\n")
+            named[_NAME.findall(function)[0]] = function
+    return named
+
+
+def types() -> str:
+    """Return the types that begin each header."""
+    return _read("types.h")
+
+
+def functions(body: str) -> str:
+    """Return the static functions that a text calls, and those that they call."""
+    needed, parts = set(_CALLED.findall(body)), []
+    for name, function in reversed(library().items()):
         if name in needed:
             needed.update(_CALLED.findall(function))
-            parts.append(function.rstrip("\n"))
+            parts.append(function)
     return "".join(f"{function}\n\n" for function in reversed(parts))
 
 
@@ -106,15 +115,10 @@ def _signature(model: StandaloneMonitor) -> str:
 
 def _header(model: StandaloneMonitor) -> str:
     name, guard = model.name, f"{model.name}_{model.kind}_H".upper()
-    literals = {
-        enum: read.literals
-        for enum, read in sorted(zip(model.enums, model.program.reads, strict=True))
-        if enum
-    }
     enums = ""
-    for enum, texts in literals.items():
+    for enum, literals in model.literals.items():
         prefix = f"{name}_{enum}".upper()
-        words = (f"    {prefix}_{word} = {k}" for k, word in enumerate(unique_names(texts)))
+        words = (f"    {prefix}_{word} = {k}" for k, word in enumerate(literals))
         rows = ",\n".join(words)
         enums += f"/* {enum}, -1 is UNKNOWN */\nenum {{\n{rows}\n}};\n\n"
     if not model.numeric:
@@ -131,7 +135,7 @@ def _header(model: StandaloneMonitor) -> str:
         "monitor.h",
         banner=_banner(model, "3. Types: do not edit"),
         guard=guard,
-        types=_read("types.h"),
+        types=types(),
         enums=enums,
         name=name,
         results="double value;" if model.numeric else results,

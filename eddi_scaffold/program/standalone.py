@@ -61,6 +61,12 @@ class StandaloneMonitor:
         return unique_names(result.id for result in self.program.results)
 
     @property
+    def literals(self) -> dict[str, list[str]]:
+        """Name of an ENUM -> an identifier for each of its literals."""
+        pairs = sorted(zip(self.enums, self.program.reads, strict=True))
+        return {enum: unique_names(read.literals) for enum, read in pairs if enum}
+
+    @property
     def numeric(self) -> bool:
         """Whether the only result is a number."""
         types = [self.program.operations[result.operation].type for result in self.program.results]
