@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.conditions.definition import TRUTHS, Value, sample_of
-from eddi_scaffold.conditions.samples import Drawing, in_turn
+from eddi_scaffold.conditions.samples import Drawing, Run, in_turn
 from eddi_scaffold.program.c_files import filled
 from eddi_scaffold.program.standalone import HEADER, StandaloneMonitor
 
@@ -31,23 +31,14 @@ def vectors_of_conditions(model: StandaloneMonitor) -> dict[str, str]:
     reads = [read._replace(range=None, infinite=True) for read in model.program.reads]
     drawings = [Drawing(model.program, k) for k in range(len(model.program.results))]
 
-    def rows() -> Iterator[tuple[str, list[_Row]]]:
-        for number, run in in_turn(drawings):
-            yield (
-                run.shows,
-                [
-                    _Row(
-                        given.t,
-                        number,
-                        result,
-                        [sample_of(read, given.values) for read in reads],
-                        [given.ages.get(read.name, 0) for read in reads],
-                    )
-                    for given, result in zip(run.steps, run.results, strict=True)
-                ],
-            )
+    def rows(number: int, run: Run) -> Iterator[_Row]:
+        for given, result in zip(run.steps, run.results, strict=True):
+            values = [sample_of(read, given.values) for read in reads]
+            ages = [given.ages.get(read.name, 0) for read in reads]
+            yield _Row(given.t, number, result, values, ages)
 
-    return _file(model, rows(), lambda: filter(None, (of.missed for of in drawings)))
+    runs = ((run.shows, rows(number, run)) for number, run in in_turn(drawings))
+    return _file(model, runs, lambda: filter(None, (of.missed for of in drawings)))
 
 
 def vectors_of_consert(model: StandaloneMonitor, vectors: Mapping[str, Any]) -> dict[str, str]:
@@ -72,10 +63,10 @@ def vectors_of_consert(model: StandaloneMonitor, vectors: Mapping[str, Any]) -> 
             for number, letter in enumerate(verdicts):
                 yield _Row(t, number, TRUTHS["FUT".index(letter)], values, ages)
 
-    def runs() -> Iterator[tuple[str, list[_Row]]]:
+    def runs() -> Iterator[tuple[str, Iterable[_Row]]]:
         for row in vectors["vectors"]:
             letters, verdicts, shows = row.split(" ", 2)
-            yield shows, [*rows([(letters, vectors["steps"], verdicts)], {}, {})]
+            yield shows, rows([(letters, vectors["steps"], verdicts)], {}, {})
         for id_, letters, verdicts, judged in vectors["leaves"]:
             values = [(_typed(types[id_], value), letter) for value, letter in judged]
             tests = [(value, letter, 0) for value, letter in dict.fromkeys(values)]
@@ -83,9 +74,9 @@ def vectors_of_consert(model: StandaloneMonitor, vectors: Mapping[str, Any]) -> 
             tests += [] if age is None else [(good, "T", age), (good, "U", age + 1)]
             for value, letter, late in tests:
                 parts = [(letters, vectors["steps"], verdicts[letter])]
-                yield f"leaf:{id_}", [*rows(parts, {id_: value}, {id_: late})]
+                yield f"leaf:{id_}", rows(parts, {id_: value}, {id_: late})
         parts = [(raw, times, verdicts) for raw, times, _, verdicts in vectors["filter"]]
-        yield "filter", [*rows(parts, {}, {})]
+        yield "filter", rows(parts, {}, {})
 
     sayable = types.keys() <= states.keys() and "text" not in types.values()
     return _file(model, runs()) if sayable else {}
@@ -102,7 +93,7 @@ def _typed(type_: str, value: object) -> Value:
 
 def _file(
     model: StandaloneMonitor,
-    tests: Iterable[tuple[str, Sequence[_Row]]],
+    tests: Iterable[tuple[str, Iterable[_Row]]],
     missed: Callable[[], Iterable[str]] = tuple,
 ) -> dict[str, str]:
     """Return the name and the text of the file.

@@ -16,7 +16,13 @@ from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import Writer as Ros2Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from eddi_scaffold.config.field_paths import Attribute, ByKey, FieldPath, parse_field
+from eddi_scaffold.config.field_paths import (
+    Attribute,
+    ByKey,
+    FieldPath,
+    FieldPathError,
+    parse_field,
+)
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.recordings.bags import own_messages
@@ -50,7 +56,8 @@ def bag_of(monitor: BoundMonitor, name: str) -> tuple[dict[str, bytes], int, lis
     serialize = store.serialize_ros1 if is_ros1 else store.serialize_cdr
     rate = monitor.config.config.Model.frequency if monitor.config is not None else 1.0
     ages = [of.max_age for of in monitor.inputs if isinstance(of.max_age, float | int)]
-    periods = max(_PERIODS, math.ceil(max(ages, default=0) * rate) + 2)
+    longest = max(data.get("steps", 0), math.ceil(max(ages, default=0) * rate))
+    periods = max(_PERIODS, longest + 2)
     left, number = list[str](), 0
     with TemporaryDirectory() as folder:
         path = Path(folder) / name
@@ -59,13 +66,14 @@ def bag_of(monitor: BoundMonitor, name: str) -> tuple[dict[str, bytes], int, lis
             channels: dict[str, Any] = {}
             for row in data.get("vectors", ()):
                 letters, _, shows = row.split(" ", 2)
-                given = {id_: values[id_][of] for id_, of in zip(values, letters, strict=True)}
                 try:
+                    pairs = zip(values.items(), letters, strict=True)
+                    given = {id_: of[letter] for (id_, of), letter in pairs}
                     messages = [
                         (topic, type_, serialize(_message(store, type_, tree), type_))
                         for (topic, type_), tree in _trees(monitor, inputs, given).items()
                     ]
-                except (KeyError, ValueError):
+                except (FieldPathError, KeyError, ValueError):
                     left.append(shows)
                     continue
                 for k in range(periods * number, periods * (number + 1)):
@@ -126,10 +134,8 @@ def _tree(path: FieldPath, value: object) -> Any:
 def _merged(fields: Any, more: Any) -> Any:
     if isinstance(fields, list):
         return fields + more
-    return {
-        **fields,
-        **{k: _merged(fields[k], of) if k in fields else of for k, of in more.items()},
-    }
+    both = {name: _merged(fields[name], more[name]) for name in fields.keys() & more.keys()}
+    return fields | more | both
 
 
 def _message(store: Any, type_: str, tree: Mapping[str, Any]) -> Any:
