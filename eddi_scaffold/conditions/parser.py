@@ -22,7 +22,6 @@ from eddi_scaffold.conditions.syntax import (
     is_list_path,
 )
 from eddi_scaffold.conditions.tokens import (
-    AS_TEXT,
     DECLARATIONS,
     RESERVED,
     Cursor,
@@ -113,11 +112,10 @@ class _Parser(Cursor):
         """Check that an expression ends here, which began at a token."""
         if self._token.kind == "end" or self._is_symbol(";") or self._declaration():
             return
-        hint, before = self._comparison_hint(), self._tokens[self._index - 1]
+        hint, before = None, self._tokens[self._index - 1]
         if self._index == first + 1 and before.kind == "word":
-            keyword = did_you_mean(before.keyword, [*DECLARATIONS, *_OPTIONS])
-            if keyword is not None:
-                hint, self._declared = keyword, before.text  # it is no variable that is missing
+            hint = did_you_mean(before.keyword, [*DECLARATIONS, *_OPTIONS])
+            self._declared = before.text if hint else ""  # it is no variable that is missing
         self._fail("E001.rest", hint=hint, shown=self._token.shown)
 
     def _enum(self) -> EnumDeclaration:
@@ -204,6 +202,8 @@ class _Parser(Cursor):
             self._prefixes(stack)
             operands.append(self._atom())
             token = self._token
+            if token.text == "=":
+                self._fail("E001.equals")
             strength, op = _WORDS.get(token.keyword) or _SYMBOLS.get(token.text) or (0, "")
             # IMPLIES groups to the right, all others to the left.
             while stack and stack[-1][0] >= strength + (strength == _IMPLIES):
@@ -219,7 +219,7 @@ class _Parser(Cursor):
         while self._token.keyword == "NOT" or self._is_symbol("-"):
             strength, op = (_MINUS, "neg") if self._is_symbol("-") else (_NOT, "not")
             if op == "not" and stack and stack[-1][0] > _NOT:
-                self._missing("an operand", "put it in parentheses: (NOT a)")
+                self._missing("an operand, or (NOT a)")
             stack.append((strength, op, self._take()))
 
     def _reduce(self, operator: tuple[int, str, Token], operands: list[int]) -> None:
@@ -252,8 +252,10 @@ class _Parser(Cursor):
         if self._declaration():
             end = self._tokens[self._index - 1].end if self._index else 0
             self._fail("E001.word", end, expected="an operand", shown="the next declaration")
+        if token.kind == "text":
+            self._fail("E001.character", shown=token.shown)
         if token.kind != "word" or token.keyword in (*_WORDS, "NOT"):
-            self._missing("an operand", f"write {AS_TEXT}" if token.kind == "text" else None)
+            self._missing("an operand")
         if token.keyword in RESERVED:
             self._fail("E001.reserved", shown=token.shown)
         self._index += 1
