@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from eddi_scaffold.common.problems import SimilarNames
+from eddi_scaffold.common.problems import SimilarNames, has_errors
 from eddi_scaffold.common.units import converted, dimension, factor, root, word
 from eddi_scaffold.conditions.definition import COMPARISONS
 from eddi_scaffold.conditions.graph import At, GraphBuilder, capacity
@@ -52,6 +52,7 @@ class Checker:
         self._inside: Elements | None = None
         self._events: dict[str, Value | None] = {}
         self._reported: set[str] = set()
+        self._is_whole = not has_errors(self.findings.problems)  # no declaration is missing
         self._similar: SimilarNames | None = None
 
     def event(self, event: EventDeclaration) -> Value | None:
@@ -140,8 +141,7 @@ class Checker:
                 self.findings.add("E008.list_type", node.start, hint=advice, node=name)
         elif scope.knows(name):
             return self._events.get(name)
-        # without declarations, only a text with another error has names that are not inferred
-        elif scope.closed and name not in self._reported and name not in self.file.broken:
+        elif self._is_whole and name not in self._reported:
             self._reported.add(name)
             self._similar = self._similar or SimilarNames(scope.names, "there are")
             hint = self._similar.hint(name)

@@ -79,21 +79,19 @@ class _Parser(Cursor):
             "": self._bare,
         }
         declarations: list[Identifier] = []
-        broken: set[str] = set()
         while True:
             while self._took(";"):
                 pass
             if self._token.kind == "end" and (declarations or self._findings.problems):
                 break
             first, keyword = self._index, self._declaration()
-            self._declared, self._depth = "", 0
+            self._depth = 0
             try:
                 self._index += keyword != ""
                 declarations.append(readers[keyword]())
                 if keyword in ("EVENT", ""):  # behind others an expression may begin
-                    self._expect_end(first)
+                    self._expect_end()
             except Refused:
-                broken.add(self._declared)
                 self._index += self._index == first and self._token.kind != "end"
                 while not (self._token.kind == "end" or self._is_symbol(";")):
                     if self._declaration():
@@ -105,17 +103,14 @@ class _Parser(Cursor):
             tuple(entry for entry in declarations if isinstance(entry, VarDeclaration)),
             tuple(entry for entry in declarations if isinstance(entry, ConstDeclaration)),
             tuple(entry for entry in declarations if isinstance(entry, EventDeclaration)),
-            frozenset(broken),
         )
 
-    def _expect_end(self, first: int) -> None:
-        """Check that an expression ends here, which began at a token."""
+    def _expect_end(self) -> None:
+        """Check that an expression ends here."""
         if self._token.kind == "end" or self._is_symbol(";") or self._declaration():
             return
-        hint, before = None, self._tokens[self._index - 1]
-        if self._index == first + 1 and before.kind == "word":
-            hint = did_you_mean(before.keyword, [*DECLARATIONS, *_OPTIONS])
-            self._declared = before.text if hint else ""  # it is no variable that is missing
+        keyword = self._tokens[self._index - 1].keyword
+        hint = did_you_mean(keyword, [*DECLARATIONS, *_OPTIONS]) if keyword else None
         self._fail("E001.rest", hint=hint, shown=self._token.shown)
 
     def _enum(self) -> EnumDeclaration:

@@ -6,7 +6,6 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Callable
-from fractions import Fraction
 from itertools import accumulate
 from typing import Any, NamedTuple, NoReturn
 
@@ -124,7 +123,6 @@ class Cursor:
         self._tokens = tokens
         self._findings = findings
         self._index = 0
-        self._declared = ""
 
     @property
     def _token(self) -> Token:
@@ -167,7 +165,6 @@ class Cursor:
             self._missing(what)
         if token.keyword in RESERVED:
             self._fail("E001.reserved", shown=token.shown)
-        self._declared = self._declared or token.text
         return Identifier(self._take().text, token.start)
 
     def _number(self) -> float:
@@ -215,8 +212,7 @@ class Cursor:
         value, scale = float(number.text), DURATIONS[unit.text]
         if not value * scale < 2.0**62:
             self._fail("E013.duration")
-        # the exact fraction of 1e-999999 would fill the memory
-        length = round(Fraction(number.text) * scale) if value >= 1e-12 else 0
+        length = round(value * scale)
         if length == 0:
             self._fail("E005.no_time")
         self._index += 2
