@@ -1,4 +1,4 @@
-"""Texts of events: declarations, and expressions by precedence with a stack of operators."""
+"""Texts of events: declarations, and expressions by precedence."""
 
 from __future__ import annotations
 
@@ -186,49 +186,43 @@ class _Parser(Cursor):
 
     # expressions
 
-    def _expression(self) -> int:
-        """Parse an expression with a stack of operators; only parentheses and calls recurse."""
+    def _expression(self, least: int = _IMPLIES) -> int:
+        """Parse an expression of operators that are at least so strong."""
         self._depth += 1
         if self._depth > MAX_DEPTH:
             self._end_at_limit("E013.depth", self._token.start, MAX_DEPTH)
-        stack: list[tuple[int, str, Token]] = []
-        operands: list[int] = []
+        left, compared = self._operand(least), False
         while True:
-            self._prefixes(stack)
-            operands.append(self._atom())
             token = self._token
+            strength, op = _WORDS.get(token.keyword) or _SYMBOLS.get(token.text) or (0, "")
             if token.text == "=":
                 self._fail("E001.equals")
-            strength, op = _WORDS.get(token.keyword) or _SYMBOLS.get(token.text) or (0, "")
-            # IMPLIES groups to the right, all others to the left.
-            while stack and stack[-1][0] >= strength + (strength == _IMPLIES):
-                if stack[-1][0] == strength == _COMPARISON:
-                    self._fail("E001.chain")
-                self._reduce(stack.pop(), operands)
-            if not op:
+            if strength < least:
                 self._depth -= 1
-                return operands[0]
-            stack.append((strength, op, self._take()))
+                return left
+            if strength == _COMPARISON and compared:
+                self._fail("E001.chain")
+            self._index += 1
+            compared = strength == _COMPARISON
+            # IMPLIES groups to the right, all others to the left
+            right = self._expression(strength + (strength != _IMPLIES))
+            node = self._nodes[right]
+            # `MAX(a, 1s) + MAX(b, 1s) / 2`: SESAME D7.2's own example means the mean
+            is_quotient = node.op == "div" and not node.wrapped
+            if op in ("add", "sub") and is_quotient and self._nodes[node.args[1]].op == "number":
+                self._findings.add("W001", node.start)
+            left = self._add(op, token, (left, right), start=self._nodes[left].start)
 
-    def _prefixes(self, stack: list[tuple[int, str, Token]]) -> None:
-        while self._token.keyword == "NOT" or self._is_symbol("-"):
-            strength, op = (_MINUS, "neg") if self._is_symbol("-") else (_NOT, "not")
-            if op == "not" and stack and stack[-1][0] > _NOT:
+    def _operand(self, least: int) -> int:
+        token = self._token
+        if token.keyword == "NOT":
+            if least > _NOT:
                 self._missing("an operand, or (NOT a)")
-            stack.append((strength, op, self._take()))
-
-    def _reduce(self, operator: tuple[int, str, Token], operands: list[int]) -> None:
-        _, op, token = operator
-        right = operands.pop()
-        if op in ("not", "neg"):
-            operands.append(self._add(op, token, (right,)))
-            return
-        left, node = operands.pop(), self._nodes[right]
-        # `MAX(a, 1s) + MAX(b, 1s) / 2`: SESAME D7.2's own example means the mean
-        is_quotient = node.op == "div" and not node.wrapped
-        if op in ("add", "sub") and is_quotient and self._nodes[node.args[1]].op == "number":
-            self._findings.add("W001", node.start)
-        operands.append(self._add(op, token, (left, right), start=self._nodes[left].start))
+            self._index += 1
+            return self._add("not", token, (self._expression(_NOT),))
+        if self._took("-"):
+            return self._add("neg", token, (self._expression(_MINUS),))
+        return self._atom()
 
     def _atom(self) -> int:
         token = self._token
