@@ -164,7 +164,7 @@ def consert_vectors(
         }
 
     lists: dict[str, list[Any]] = {
-        "shown": [_shown(nodes[input_.id], input_.factor) for input_ in inputs],
+        "shown": [shown(nodes[input_.id], input_.factor) for input_ in inputs],
         "guarantees": [
             [one.id, options.published(one.id), one.default, one.ranking]
             for one in consert.guarantees
@@ -217,14 +217,14 @@ def _states(rows: Sequence[tuple[object, str]]) -> list[object]:
     return [next((value for value, verdict in plain if verdict == of), None) for of in _LETTERS]
 
 
-def _shown(node: Evidence | Demand, factor: tuple[int, int] | None) -> list[object] | None:
+def shown(node: Evidence | Demand, factor: tuple[int, int] | None) -> tuple[Any, ...] | None:
     """Return how a value is shown to people: what is needed, unit, factor."""
     dimension = dimension_of(node)
     if isinstance(dimension, BinaryDimension | CategoricalDimension):
         return None
     unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
     needs = " or ".join(covered.short for covered in dimension.covered)
-    return [f"{needs} {unit}".rstrip(), unit, [*(factor or (1, 1))]]
+    return f"{needs} {unit}".rstrip(), unit, factor or (1, 1)
 
 
 def dimension_of(node: Evidence | Demand) -> Dimension:
