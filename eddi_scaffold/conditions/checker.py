@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from eddi_scaffold.common.problems import SimilarNames
+from eddi_scaffold.common.problems import SimilarNames, has_errors
 from eddi_scaffold.common.units import converted, dimension, factor, root, word
 from eddi_scaffold.conditions.definition import COMPARISONS
 from eddi_scaffold.conditions.graph import At, GraphBuilder, capacity
@@ -20,11 +20,8 @@ from eddi_scaffold.program.instructions import WINDOWS as WINDOW_OPS
 _ORDER = ("lt", "le", "gt", "ge")
 _UNIT_OF_BOTH = ("add", "sub", "least", "greatest", "hypot")
 _SAME_UNIT = (*_UNIT_OF_BOTH, *COMPARISONS)
-_IN_RANGE = ("average", "max", "min", "median")
-"""Windows whose value lies in the range of their samples."""
-_KEEPS_UNIT = ("neg", "abs", "sum", "stddev", *_IN_RANGE)
+_KEEPS_UNIT = ("neg", "abs", "sum", "stddev", "average", "max", "min", "median")
 _VAR_ADVICE = "declare it: VAR {0} : NUMBER, or VAR {0} : BOOL"
-Bounds = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -52,6 +49,7 @@ class Checker:
         self._inside: Elements | None = None
         self._events: dict[str, Value | None] = {}
         self._reported: set[str] = set()
+        self._is_whole = not has_errors(self.findings.problems)  # no declaration is missing
         self._similar: SimilarNames | None = None
 
     def event(self, event: EventDeclaration) -> Value | None:
@@ -140,8 +138,7 @@ class Checker:
                 self.findings.add("E008.list_type", node.start, hint=advice, node=name)
         elif scope.knows(name):
             return self._events.get(name)
-        # without declarations, only a text with another error has names that are not inferred
-        elif scope.closed and name not in self._reported and name not in self.file.broken:
+        elif self._is_whole and name not in self._reported:
             self._reported.add(name)
             self._similar = self._similar or SimilarNames(scope.names, "there are")
             hint = self._similar.hint(name)
@@ -191,7 +188,7 @@ class Checker:
             return self._bounded(node, args, at)
         if op in _SAME_UNIT and args[0].type == NUMBER:
             args = list(self._in_one_unit(node, args[0], args[1]))
-            if op in COMPARISONS:
+            if op in _ORDER:
                 self._warn_decided(node, args)
             unit = args[0].unit or args[1].unit if op in _UNIT_OF_BOTH else None
         nodes = [arg.node for arg in args]
@@ -210,39 +207,35 @@ class Checker:
 
     def _warn_decided(self, node: SyntaxNode, args: list[Value]) -> None:
         """Warn of a comparison that the declared range of its variable decides alone."""
-        left, right = (self._bounds(k, arg) for k, arg in zip(node.args, args, strict=True))
-        is_constant = all(self._builder.is_constant(arg.node) for arg in args)
-        if left is None or right is None or is_constant:
+        left, right = (self._bounds(arg) for arg in args)
+        if (
+            left is None
+            or right is None
+            or all(self._builder.is_constant(arg.node) for arg in args)
+        ):
             return
         truths = {COMPARISONS[node.op](a, b) for a in left for b in right}
-        overlap = left[0] <= right[1] and right[0] <= left[1]
-        if len(truths) != 1 or (node.op not in _ORDER and overlap):
-            return
-        unit = args[0].unit or args[1].unit
-        self.findings.add(
-            "W004.decided",
-            node.at,
-            value=str(*truths).upper(),
-            left=" .. ".join(f"{end:g}" for end in dict.fromkeys(left)),
-            operators=OPERATORS[node.op],
-            right=" .. ".join(f"{end:g}" for end in dict.fromkeys(right)),
-            unit=f", in {unit}" if unit else "",
-        )
+        if len(truths) == 1:
+            unit = args[0].unit or args[1].unit
+            self.findings.add(
+                "W004.decided",
+                node.at,
+                value=str(*truths).upper(),
+                left=" .. ".join(f"{end:g}" for end in dict.fromkeys(left)),
+                operators=OPERATORS[node.op],
+                right=" .. ".join(f"{end:g}" for end in dict.fromkeys(right)),
+                unit=f", in {unit}" if unit else "",
+            )
 
-    def _bounds(self, k: int, arg: Value) -> Bounds | None:
+    def _bounds(self, arg: Value) -> Sequence[float] | None:
         """Return between which numbers an operand lies, ``None`` where that is not known."""
-        if self._builder.is_constant(arg.node):
-            value = self._builder.operations[arg.node].value
-            return None if value is None else (value, value)
-        node, is_negative = self.file.nodes[k], False
-        while node.op in (*_IN_RANGE, "neg"):
-            is_negative ^= node.op == "neg"
-            node = self.file.nodes[node.args[0]]
-        variable = self.scope.variables.get(node.text) if node.op == "name" else None
-        if variable is None or variable.infinite or variable.range is None:
-            return None
-        low, high = variable.range
-        return (-high, -low) if is_negative else (low, high)
+        row = self._builder.operations[arg.node]
+        if row.op == "number":
+            return None if row.value is None else (row.value, row.value)
+        variable = None
+        if row.op == "variable":
+            variable = self.scope.variables.get([*self._builder.used][row.value])
+        return None if variable is None or variable.infinite else variable.range
 
     def _bounded(self, node: SyntaxNode, args: list[Value], at: At) -> Value:
         x, *limits = args
@@ -293,10 +286,7 @@ class Checker:
             other = 1 if plain is left else 0
             if not constant[other] or constant[1 - other]:
                 return replace(left, unit=unit), replace(right, unit=unit)
-            hint = f"declare the unit: VAR name : NUMBER UNIT {word(unit)}"
-            if self._builder.operations[plain.node].op != "variable":
-                hint = "what *, / and RATE give has no unit: write the number without one"
-            self.findings.refuse("E009.one_side", starts[other], hint=hint, unit=unit)
+            self.findings.refuse("E009.one_side", starts[other], unit=unit, word=word(unit))
         if dimension(left.unit) != dimension(right.unit):
             shown = " and ".join(f"{unit} ({dimension(unit)})" for unit in (left.unit, right.unit))
             at = starts[0 if constant[0] and not constant[1] else 1]

@@ -1,14 +1,12 @@
 """The Event Creator page of SESAME D7.2 Fig 24: served on this machine only, nothing from outside.
 
-One HTML form, rendered here; it works without JavaScript, which only adds copying, Ctrl+Enter and
-the caret at an error. Nothing is written to disk.
+One HTML form without JavaScript, rendered here. Nothing is written to disk.
 """
 
 from __future__ import annotations
 
 import base64
 import io
-import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,24 +20,19 @@ from typing import Any
 from urllib.parse import parse_qs
 
 from eddi_scaffold.common import local_server
-from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, Refused
+from eddi_scaffold.common.local_server import CSS, HTML, Handler, Refused
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.scope import BOOL, Variable
 from eddi_scaffold.conditions.standalone import Target, as_text, columns, generate, play
-from eddi_scaffold.conditions.syntax import number_text
 from eddi_scaffold.diagrams.plot import plot, tracks_of
 
 Rows = Sequence[tuple[float, Mapping[str, Any]]]
 ReadSignal = Callable[[str, Mapping[str, str]], tuple[Rows | None, Sequence[Problem]]]
 """CSV text, type of each column -> (time, new samples) rows, and what is wrong with it."""
 _POLICY = (
-    "default-src 'none'; style-src 'self'; script-src 'self'; img-src data:; "
+    "default-src 'none'; style-src 'self'; img-src data:; "
     "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
 )
-_FILES = {"/style.css": CSS, "/page.js": JAVASCRIPT}
-_MAX_ROWS, _MAX_CELLS = 600, 4000
-"""Of example values: the page takes them back in a form of limited size."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +45,6 @@ class Page:
     name: str = "event"  # of the monitor
     signal: str = ""  # recorded values as CSV
     result: str = ""  # HTML
-    error_at: int | None = None  # offset of the first error in the text, `None` for none
 
 
 def open_server(
@@ -77,11 +69,11 @@ class _Handler(Handler):
     policy = _POLICY
 
     def get(self) -> None:
-        """Answer with the page, or one of its two files."""
+        """Answer with the page, or its style."""
         if self.path == "/":
             self.send(HTTPStatus.OK, HTML, _render(self.start))
-        elif self.path in _FILES:
-            self.send(HTTPStatus.OK, _FILES[self.path], _file(self.path[1:]))
+        elif self.path == "/style.css":
+            self.send(HTTPStatus.OK, CSS, _file("style.css"))
         else:
             super().get()
 
@@ -105,7 +97,7 @@ class _Handler(Handler):
             form.get("name") or "event",
             form.get("signal", ""),
         )
-        page, texts = self.answer(typed, code=code, example=bool(form.get("example")))
+        page, texts = self.answer(typed, code=code)
         if form.get("download") and texts:
             name, data = _download(texts)
             disposition = {"Content-Disposition": f'attachment; filename="{name}"'}
@@ -113,28 +105,19 @@ class _Handler(Handler):
         else:
             self.send(HTTPStatus.OK, HTML, _render(page))
 
-    def answer(self, page: Page, *, code: bool, example: bool) -> tuple[Page, Mapping[str, str]]:
+    def answer(self, page: Page, *, code: bool) -> tuple[Page, Mapping[str, str]]:
         """Return the page with the result of what was typed, and the files that were generated."""
         try:
             analysis = analyse(page.text, rate=_rate(page.rate))
         except EddiError as failure:
             return replace(page, result=_result(failure.problems)), {}
         problems, picture, texts = list(analysis.problems), "", dict[str, str]()
-        if analysis.program is None:
-            errors = (entry.place for entry in problems if entry.level == "error")
-            line, col = next(((at.line, at.col) for at in errors), (None, None))
-            if line is not None and col is not None:
-                above = page.text.split("\n")[: line - 1]
-                page = replace(page, error_at=len("\n".join([*above, ""])) + col - 1)
-        else:
-            if example:
-                page = replace(page, signal=_example_signal(analysis, float(page.rate or 1)))
-            if page.signal.strip():
-                rows, more = self.read_signal(page.signal, columns(analysis))
-                problems += more
-                picture = _plot(analysis, rows) if rows else ""
-            if code:
-                texts = generate(analysis, page.target, page.name)
+        if analysis.program is not None and page.signal.strip():
+            rows, more = self.read_signal(page.signal, columns(analysis))
+            problems += more
+            picture = _plot(analysis, rows) if rows else ""
+        if analysis.program is not None and code:
+            texts = generate(analysis, page.target, page.name)
         return replace(page, result=_result(problems, as_text(analysis), picture, texts)), texts
 
 
@@ -165,7 +148,6 @@ def _render(page: Page) -> bytes:
     fields = {name: escape(getattr(page, name)) for name in ("text", "rate", "name", "signal")}
     html = Template(_file("index.html").decode()).substitute(
         fields,
-        error_at="" if page.error_at is None else f' data-at="{page.error_at}"',
         python=" selected" if page.target == "python" else "",
         c=" selected" if page.target == "c" else "",
         open=" open" if page.signal else "",
@@ -185,6 +167,8 @@ def _result(
         place = ":".join(str(part) for part in (entry.place.line, entry.place.col) if part)
         text = f"<strong>{entry.level}</strong> {place} {escape(entry.message)} [{entry.code}]"
         hint = f"<p>Hint: {escape(entry.hint)}</p>" if entry.hint else ""
+        if entry.excerpt is not None:
+            hint = f"<pre>{escape(entry.excerpt)}\n{'^':>{entry.place.col or 1}}</pre>{hint}"
         parts.append(f'<div class="problem {entry.level}"><p>{text}</p>{hint}</div>')
     if lines:
         parts.append(f"<pre>{escape(chr(10).join(lines))}</pre>")
@@ -195,35 +179,11 @@ def _result(
     for number, (name, text) in enumerate(texts.items()):
         rows = min(30, text.count("\n") + 1)
         parts.append(
-            f'<h2><label for="code{number}">{escape(name)}</label> '
-            f'<button type="button" class="copy" data-copies="code{number}" hidden>Copy</button>'
-            f'</h2>\n<textarea id="code{number}" class="code" rows="{rows}" readonly '
+            f'<h2><label for="code{number}">{escape(name)}</label></h2>\n'
+            f'<textarea id="code{number}" class="code" rows="{rows}" readonly '
             f'spellcheck="false">\n{escape(text)}</textarea>'
         )
     return "\n".join(parts)
-
-
-def _example_signal(analysis: Analysis, rate: float) -> str:
-    """Return a recording as CSV: waves for numbers, slow changes for all else."""
-    count = min(_MAX_ROWS, _MAX_CELLS // (len(analysis.inputs) + 1))
-    lines = [",".join(["t", *(variable.name for variable in analysis.inputs)])]
-    for row in range(count):
-        part = row / count
-        cells = (_cell(entry, part, k, analysis) for k, entry in enumerate(analysis.inputs))
-        lines.append(",".join([number_text(round(row / rate, 9)), *cells]))
-    return "\n".join(lines) + "\n"
-
-
-def _cell(variable: Variable, part: float, number: int, analysis: Analysis) -> str:
-    """Return the value at a part (0 to 1) of the recording."""
-    if variable.type is not None and variable.type.enum:
-        literals = analysis.enums[variable.type.enum]
-        return literals[int(part * 3 * len(literals)) % len(literals)]
-    if variable.type == BOOL:
-        return "false" if (part * (3 + number)) % 1 < 0.15 else "true"
-    low, high = variable.range or (0.0, 120.0)
-    wave = 0.5 - 0.5 * math.cos(2 * math.pi * part * (2 + 0.5 * number))
-    return number_text(round(low + (high - low) * min(1.0, 1.5 * wave), 3))
 
 
 def _plot(analysis: Analysis, rows: Rows) -> str:

@@ -1,4 +1,4 @@
-"""Texts of events: declarations, and expressions by precedence with a stack of operators."""
+"""Texts of events: declarations, and expressions by precedence."""
 
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ from eddi_scaffold.conditions.syntax import (
     is_list_path,
 )
 from eddi_scaffold.conditions.tokens import (
-    AS_TEXT,
     DECLARATIONS,
     RESERVED,
     Cursor,
@@ -80,21 +79,19 @@ class _Parser(Cursor):
             "": self._bare,
         }
         declarations: list[Identifier] = []
-        broken: set[str] = set()
         while True:
             while self._took(";"):
                 pass
             if self._token.kind == "end" and (declarations or self._findings.problems):
                 break
             first, keyword = self._index, self._declaration()
-            self._declared, self._depth = "", 0
+            self._depth = 0
             try:
                 self._index += keyword != ""
                 declarations.append(readers[keyword]())
                 if keyword in ("EVENT", ""):  # behind others an expression may begin
-                    self._expect_end(first)
+                    self._expect_end()
             except Refused:
-                broken.add(self._declared)
                 self._index += self._index == first and self._token.kind != "end"
                 while not (self._token.kind == "end" or self._is_symbol(";")):
                     if self._declaration():
@@ -106,18 +103,14 @@ class _Parser(Cursor):
             tuple(entry for entry in declarations if isinstance(entry, VarDeclaration)),
             tuple(entry for entry in declarations if isinstance(entry, ConstDeclaration)),
             tuple(entry for entry in declarations if isinstance(entry, EventDeclaration)),
-            frozenset(broken),
         )
 
-    def _expect_end(self, first: int) -> None:
-        """Check that an expression ends here, which began at a token."""
+    def _expect_end(self) -> None:
+        """Check that an expression ends here."""
         if self._token.kind == "end" or self._is_symbol(";") or self._declaration():
             return
-        hint, before = self._comparison_hint(), self._tokens[self._index - 1]
-        if self._index == first + 1 and before.kind == "word":
-            keyword = did_you_mean(before.keyword, [*DECLARATIONS, *_OPTIONS])
-            if keyword is not None:
-                hint, self._declared = keyword, before.text  # it is no variable that is missing
+        keyword = self._tokens[self._index - 1].keyword
+        hint = did_you_mean(keyword, [*DECLARATIONS, *_OPTIONS]) if keyword else None
         self._fail("E001.rest", hint=hint, shown=self._token.shown)
 
     def _enum(self) -> EnumDeclaration:
@@ -193,47 +186,43 @@ class _Parser(Cursor):
 
     # expressions
 
-    def _expression(self) -> int:
-        """Parse an expression with a stack of operators; only parentheses and calls recurse."""
+    def _expression(self, least: int = _IMPLIES) -> int:
+        """Parse an expression of operators that are at least so strong."""
         self._depth += 1
         if self._depth > MAX_DEPTH:
             self._end_at_limit("E013.depth", self._token.start, MAX_DEPTH)
-        stack: list[tuple[int, str, Token]] = []
-        operands: list[int] = []
+        left, compared = self._operand(least), False
         while True:
-            self._prefixes(stack)
-            operands.append(self._atom())
             token = self._token
             strength, op = _WORDS.get(token.keyword) or _SYMBOLS.get(token.text) or (0, "")
-            # IMPLIES groups to the right, all others to the left.
-            while stack and stack[-1][0] >= strength + (strength == _IMPLIES):
-                if stack[-1][0] == strength == _COMPARISON:
-                    self._fail("E001.chain")
-                self._reduce(stack.pop(), operands)
-            if not op:
+            if token.text == "=":
+                self._fail("E001.equals")
+            if strength < least:
                 self._depth -= 1
-                return operands[0]
-            stack.append((strength, op, self._take()))
+                return left
+            if strength == _COMPARISON and compared:
+                self._fail("E001.chain")
+            self._index += 1
+            compared = strength == _COMPARISON
+            # IMPLIES groups to the right, all others to the left
+            right = self._expression(strength + (strength != _IMPLIES))
+            node = self._nodes[right]
+            # `MAX(a, 1s) + MAX(b, 1s) / 2`: SESAME D7.2's own example means the mean
+            is_quotient = node.op == "div" and not node.wrapped
+            if op in ("add", "sub") and is_quotient and self._nodes[node.args[1]].op == "number":
+                self._findings.add("W001", node.start)
+            left = self._add(op, token, (left, right), start=self._nodes[left].start)
 
-    def _prefixes(self, stack: list[tuple[int, str, Token]]) -> None:
-        while self._token.keyword == "NOT" or self._is_symbol("-"):
-            strength, op = (_MINUS, "neg") if self._is_symbol("-") else (_NOT, "not")
-            if op == "not" and stack and stack[-1][0] > _NOT:
-                self._missing("an operand", "put it in parentheses: (NOT a)")
-            stack.append((strength, op, self._take()))
-
-    def _reduce(self, operator: tuple[int, str, Token], operands: list[int]) -> None:
-        _, op, token = operator
-        right = operands.pop()
-        if op in ("not", "neg"):
-            operands.append(self._add(op, token, (right,)))
-            return
-        left, node = operands.pop(), self._nodes[right]
-        # `MAX(a, 1s) + MAX(b, 1s) / 2`: SESAME D7.2's own example means the mean
-        is_quotient = node.op == "div" and not node.wrapped
-        if op in ("add", "sub") and is_quotient and self._nodes[node.args[1]].op == "number":
-            self._findings.add("W001", node.start)
-        operands.append(self._add(op, token, (left, right), start=self._nodes[left].start))
+    def _operand(self, least: int) -> int:
+        token = self._token
+        if token.keyword == "NOT":
+            if least > _NOT:
+                self._missing("an operand, or (NOT a)")
+            self._index += 1
+            return self._add("not", token, (self._expression(_NOT),))
+        if self._took("-"):
+            return self._add("neg", token, (self._expression(_MINUS),))
+        return self._atom()
 
     def _atom(self) -> int:
         token = self._token
@@ -252,8 +241,10 @@ class _Parser(Cursor):
         if self._declaration():
             end = self._tokens[self._index - 1].end if self._index else 0
             self._fail("E001.word", end, expected="an operand", shown="the next declaration")
+        if token.kind == "text":
+            self._fail("E001.character", shown=token.shown)
         if token.kind != "word" or token.keyword in (*_WORDS, "NOT"):
-            self._missing("an operand", f"write {AS_TEXT}" if token.kind == "text" else None)
+            self._missing("an operand")
         if token.keyword in RESERVED:
             self._fail("E001.reserved", shown=token.shown)
         self._index += 1

@@ -19,7 +19,7 @@ from eddi_scaffold.conditions.syntax import (
     SyntaxNode,
     VarDeclaration,
 )
-from eddi_scaffold.conditions.tokens import TextFindings
+from eddi_scaffold.conditions.tokens import TextFindings, unit_hint
 from eddi_scaffold.program.instructions import SIGNATURES
 from eddi_scaffold.program.lists import TRUTHS, Reduction
 
@@ -167,8 +167,7 @@ def _variable(declared: VarDeclaration, scope: Scope, findings: TextFindings) ->
         findings.add("E007.unit_of_other", (unit or declared.type).at, word=word)
         return variable
     if unit is not None and unit.name not in words():
-        hint = did_you_mean(unit.name, words()) or f"units: {', '.join(sorted(words()))}"
-        findings.add("E009.unknown", unit.at, hint=hint, unit=unit.name)
+        findings.add("E009.unknown", unit.at, hint=unit_hint(unit.name), unit=unit.name)
         unit = None
     if declared.timeout is None:
         findings.add("W003.variable", declared.at, declared=declared.name)

@@ -105,7 +105,6 @@ class File:
     variables: tuple[VarDeclaration, ...] = ()
     constants: tuple[ConstDeclaration, ...] = ()
     events: tuple[EventDeclaration, ...] = ()
-    broken: frozenset[str] = frozenset()  # names whose declaration could not be read
 
     def nodes_of(self, event: EventDeclaration) -> tuple[SyntaxNode, ...]:
         """Return the nodes of an event's expression."""

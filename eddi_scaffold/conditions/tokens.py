@@ -6,7 +6,6 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Callable
-from fractions import Fraction
 from itertools import accumulate
 from typing import Any, NamedTuple, NoReturn
 
@@ -30,32 +29,10 @@ _TOKEN = re.compile(
       | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
       | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
       | (?P<text>"[^"\r\n]+")
-      | (?P<symbol>(?!<->|->|=>)(?::=|==|!=|<=|>=|\.\.|[-+*/%<>(),;:.\[\]{}=]))
-      | (?P<other>&&|\|\||<->|->|=>|.)""",
+      | (?P<symbol>:=|==|!=|<=|>=|\.\.|[-+*/%<>(),;:.\[\]{}=])
+      | (?P<other>&&|\|\||.)""",
     re.VERBOSE | re.DOTALL,
 )
-AS_TEXT = (
-    "the word of an ENUM, without quotes: ENUM Door { closed, open }, VAR door.data : Door "
-    "(of a configuration: in `declarations:`)"
-)
-_INSTEAD = {
-    "'": AS_TEXT,
-    "&": "AND",
-    "&&": "AND",
-    "|": "OR",
-    "||": "OR",
-    "!": "NOT",
-    "->": "IMPLIES",
-    "<->": "==",
-    "=>": "IMPLIES, or >= to compare",
-    "#": "// for a comment",
-    "\N{LESS-THAN OR EQUAL TO}": "<=",
-    "\N{GREATER-THAN OR EQUAL TO}": ">=",
-    "^": "x * x, or a unit in one word such as mps2",
-    "\N{NO-BREAK SPACE}": "a plain blank",
-    "\N{DEGREE SIGN}": "the unit, deg or degC",
-}
-"""Characters of other languages -> what is written here."""
 DURATIONS = {"ns": 1, "us": 10**3, "ms": 10**6, "s": 10**9, "min": 60 * 10**9, "h": 3600 * 10**9}
 """Unit of a duration -> nanoseconds."""
 
@@ -132,9 +109,7 @@ def tokens_of(text: str, findings: TextFindings) -> tuple[Token, ...]:
     for match in _TOKEN.finditer(text):
         kind, char = match.lastgroup or "", match.group()
         if kind == "other":
-            hint = f"write {_INSTEAD[char]}" if char in _INSTEAD else None
-            what = "characters" if len(char) > 1 else "character"
-            findings.add("E001.character", match.start(), hint=hint, kind=what, character=char)
+            findings.add("E001.character", match.start(), shown=repr(char))
         elif kind != "blank":
             tokens.append(Token(kind, char, *match.span()))
     end = tokens[-1].end if tokens else 0
@@ -148,7 +123,6 @@ class Cursor:
         self._tokens = tokens
         self._findings = findings
         self._index = 0
-        self._declared = ""
 
     @property
     def _token(self) -> Token:
@@ -172,17 +146,13 @@ class Cursor:
 
     def _expect(self, symbol: str, shown: str | None = None) -> None:
         if not self._took(symbol):
-            hint = self._comparison_hint() if symbol in {")", ","} else None
-            self._missing(shown or repr(symbol), hint)
-
-    def _comparison_hint(self) -> str | None:
-        return "`==` compares two values" if self._is_symbol("=") else None
+            self._missing(shown or repr(symbol))
 
     def _fail(self, case: str, at: int | None = None, /, **fields: Any) -> NoReturn:
         self._findings.refuse(case, self._token.start if at is None else at, **fields)
 
-    def _missing(self, expected: str, hint: str | None = None) -> NoReturn:
-        self._fail("E001.word", hint=hint, expected=expected, shown=self._token.shown)
+    def _missing(self, expected: str) -> NoReturn:
+        self._fail("E001.word", expected=expected, shown=self._token.shown)
 
     def _declaration(self) -> str:
         """Return the word that opens a declaration here, empty when there is none."""
@@ -195,7 +165,6 @@ class Cursor:
             self._missing(what)
         if token.keyword in RESERVED:
             self._fail("E001.reserved", shown=token.shown)
-        self._declared = self._declared or token.text
         return Identifier(self._take().text, token.start)
 
     def _number(self) -> float:
@@ -222,8 +191,7 @@ class Cursor:
         if self._took("%"):
             return "pct"
         if token.kind == "word" and token.start == number.end:  # 5x: it cannot be anything else
-            hint = did_you_mean(token.text, words()) or f"units: {', '.join(sorted(words()))}"
-            self._fail("E009.unknown", hint=hint, unit=token.text[:40])
+            self._fail("E009.unknown", hint=unit_hint(token.text), unit=token.text[:40])
         return None
 
     def _refuse_compound_unit(self, ahead: int = 0) -> None:
@@ -244,8 +212,7 @@ class Cursor:
         value, scale = float(number.text), DURATIONS[unit.text]
         if not value * scale < 2.0**62:
             self._fail("E013.duration")
-        # the exact fraction of 1e-999999 would fill the memory
-        length = round(Fraction(number.text) * scale) if value >= 1e-12 else 0
+        length = round(value * scale)
         if length == 0:
             self._fail("E005.no_time")
         self._index += 2
@@ -290,6 +257,11 @@ class Cursor:
             self._fail("E001.word", expected=f"an index behind {first}", shown=last.shown)
         self._index += 2
         return f"..{int(last.text)}"
+
+
+def unit_hint(unit: str) -> str:
+    """Return the unit that is nearest to a text, or all."""
+    return did_you_mean(unit, words()) or f"units: {', '.join(sorted(words()))}"
 
 
 def _is_index(text: str) -> bool:

@@ -101,12 +101,12 @@ class Lines:
         del self.rest[0]
         return of.groupdict()
 
-    def take(self, form: str) -> dict[str, ast.expr]:
-        """Take the last statement, which has the form ``return V``; return what V is."""
+    def returned(self) -> ast.expr:
+        """Take the last statement; return what it returns."""
         match self.rest:
-            case [ast.Return(value=ast.expr() as value)] if form == "return V":
+            case [ast.Return(value=ast.expr() as value)]:
                 self.rest = []
-                return {"V": value}
+                return value
         raise UnprovedError(self.rest[0] if self.rest else self._end)
 
     def expect(self, *texts: str) -> None:
@@ -159,32 +159,24 @@ class Class:
         lines.end()
 
 
-def _check_names(node: ast.stmt, defined: AbstractSet[str]) -> None:
+def _check_names(tree: ast.Module, defined: AbstractSet[str]) -> None:
     """Refuse names that are not defined, and variables that hide what is called.
 
     Whether they are defined above their use is seen when the module is loaded.
     """
-    parts: list[ast.AST] = [node]
-    attributes = set[str]()
-    if isinstance(node, ast.ClassDef):
-        parts = [*node.bases, *node.body]
-        attributes = {ast.unparse(of.targets[0]) for of in node.body if isinstance(of, ast.Assign)}
-    for part in parts:
-        own, used, called = set[str](), set[str](), {"INF", "NAN"}
-        for of in ast.walk(part):
-            match of:
-                case ast.Name(ctx=ast.Store(), id=name) | ast.arg(arg=name):
-                    own.add(name)
-                case ast.FunctionDef(name=name) if of is not part:
-                    own.add(name)
-                case ast.Name(id=name):
-                    used.add(name)
-                case ast.Call():
-                    called.add(ast.unparse(of.func).partition(".")[0])
-        own |= set() if isinstance(part, ast.FunctionDef) else attributes
-        if used - own - defined:
+    bodies = [tree.body, *(of.body for of in tree.body if isinstance(of, ast.ClassDef))]
+    functions = [of for body in bodies for of in body if isinstance(of, ast.FunctionDef)]
+    for part in [tree, *functions]:
+        nodes = [*ast.walk(part)]
+        names = [of for of in nodes if isinstance(of, ast.Name)]
+        own = {of.id for of in names if isinstance(of.ctx, ast.Store)}
+        own |= {of.arg for of in nodes if isinstance(of, ast.arg)}
+        own |= {of.name for of in nodes[1:] if isinstance(of, ast.FunctionDef)}
+        if {of.id for of in names} - own - defined:
             raise UnprovedError(part, "it uses a name that is not defined")
-        if isinstance(part, ast.FunctionDef) and own & called & defined:
+        calls = (ast.unparse(of.func) for of in nodes if isinstance(of, ast.Call))
+        called = {"INF", "NAN", *(call.partition(".")[0] for call in calls)}
+        if part is not tree and own & called & defined:
             raise UnprovedError(part, "a variable hides what is called")
 
 
@@ -246,8 +238,7 @@ class Emitted:
             names |= {*new}
         if "needs" not in names:
             raise UnprovedError(None, "it does not say which runtime it needs")
-        for node in tree.body:
-            _check_names(node, names | _BUILTINS)
+        _check_names(tree, names | _BUILTINS)
 
     def differs(self, node: ast.AST | None, text: str) -> None:
         """Note a difference from the model."""

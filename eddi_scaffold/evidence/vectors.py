@@ -40,7 +40,7 @@ class Run(NamedTuple):
     """Steps of a new monitor, of which all inputs are unknown at first."""
 
     name: str  # what is tested, and where it stands in the model
-    steps: Sequence[Step]
+    steps: Sequence[Step]  # or rows of such
 
 
 def age_row(
@@ -191,37 +191,33 @@ def _input_row(input_: BoundInput) -> Iterator[object]:
     yield from ([*input_.accepts], [[*claim] for claim in input_.claims])
 
 
-def run_row(run: Any, results: Callable[[Any], Mapping[str, Any]]) -> list[object]:
-    """Return the row of a run of a condition: in each step what changes.
+def run_row(run: Any, results: Callable[[Any], Mapping[str, Any]]) -> Run:
+    """Return the run of a condition: in each step what changes.
 
     ``[until, period]`` are steps in which nothing changes; a fourth element are ages.
     """
-    rows: list[list[Any]] = []
-    values: Mapping[str, Any] = {}
-    told: Mapping[str, Any] = {}
-    ages: Mapping[str, int] = dict.fromkeys(run.steps[0].ages, 0)
+    rows: list[Any] = []
     t = run.steps[0].t
+    before: list[Mapping[str, Any]] = [{}, {}, dict.fromkeys(run.steps[0].ages, 0)]
     for given, result in zip(run.steps, run.results, strict=True):
-        expected, period = results(result), given.t - t
-        pairs = (values, given.values), (told, expected), (ages, given.ages)
-        changes = [
-            {name: as_json(raw) for name, raw in now.items() if before.get(name, before) is not raw}
-            for before, now in pairs
-        ]
+        now, period = [as_json(given.values), results(result), given.ages], given.t - t
+        changes = [*map(changed, before, now)]
         if any(changes) or period <= 0:
             rows.append([given.t, *(changes if changes[2] else changes[:2])])
         elif len(rows[-1]) == 2 and rows[-1][1] == period:
             rows[-1][0] = given.t
         else:
             rows.append([given.t, period])
-        values, told, ages, t = given.values, expected, given.ages, given.t
-    return [run.shows, rows]
+        before, t = now, given.t
+    return Run(run.shows, rows)
 
 
 def as_json(raw: Any) -> Any:
     """Return a value as JSON says it."""
     if isinstance(raw, list):
         return [*map(as_json, raw)]
+    if isinstance(raw, dict):
+        return {key: as_json(value) for key, value in raw.items()}
     if isinstance(raw, float) and not math.isfinite(raw):
         return {"is": str(raw)}
     return {"is": "object"} if type(raw) is object else raw

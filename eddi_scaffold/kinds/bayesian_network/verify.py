@@ -88,7 +88,7 @@ def _sources(emitted: Emitted, monitor: Class, network: Network, options: Networ
         reads += f"{reading(emitted.declared.inputs[places[input_id]].attribute)}, "
     if rows:
         sources = monitor.method("sources", "self")
-        emitted.same("sources", sources.take("return V")["V"], tuple(rows))
+        emitted.same("sources", sources.returned(), tuple(rows))
         sources.end()
         otherwise = "except Exception:\n    return super().read(source)"
         monitor.body("read", "self, source", f"try:\n    return ({reads})\n{otherwise}")

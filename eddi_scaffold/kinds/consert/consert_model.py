@@ -30,7 +30,7 @@ from eddi_scaffold.kinds.consert.options import (
 )
 from eddi_scaffold.kinds.consert.read_short import read_consert
 from eddi_scaffold.kinds.consert.vectors import consert_vectors
-from eddi_scaffold.kinds.consert.verify import verify
+from eddi_scaffold.kinds.consert.verify import Proof
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -164,7 +164,7 @@ class ConSertModel(Model):
         return consert_vectors(self.data, self.options, inputs, about)
 
     def verify(self, emitted: Emitted) -> Iterator[str]:
-        return verify(self.data, self.options, emitted)
+        return Proof(self.data, self.options, emitted).proved()
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return each guarantee, by its id in messages, with the leaves that it rests on."""

@@ -113,11 +113,25 @@ class ConSertVectors:
                 for id_ in sorted(one):
                     yield "unknown", at(one, inside, rest) | {id_: _U}
         yield "unknown", at((), _T, _U)
-        for id_ in self.consert.leaves:
-            path = next((path for path in paths if id_ in path), None)
-            if path is not None:
-                yield "mcdc", at(path, _T, _F)
-                yield "mcdc", at(path - {id_}, _T, _F)
+        left = [id_ for id_ in self.consert.leaves if any(id_ in path for path in paths)]
+        starts = [*paths, *(frozenset(left) - cut for cut in cuts)]
+        while left:
+            grown = (self._mcdc(start, left, paths) for start in starts)
+            chosen, left = min(grown, key=lambda of: len(of[1]))
+            yield from (("mcdc", at(inside, _T, _F)) for inside in chosen)
+
+    def _mcdc(
+        self, start: frozenset[str], left: Sequence[str], paths: Sets
+    ) -> tuple[Sets, list[str]]:
+        """Return n + 1 vectors with the pairs of n leaves, and the leaves without one."""
+        chosen, rest = [start], [*left]
+        for inside in chosen:
+            for id_ in [*rest]:
+                other = inside ^ {id_}
+                if len({any(path <= of for path in paths) for of in (inside, other)}) == 2:
+                    chosen.append(other)
+                    rest.remove(id_)
+        return chosen, rest
 
     def complete(self, guarantee: str) -> bool:
         """Return whether its path and cut sets are few enough for a vector each."""
@@ -150,7 +164,7 @@ def consert_vectors(
         }
 
     lists: dict[str, list[Any]] = {
-        "shown": [_shown(nodes[input_.id], input_.factor) for input_ in inputs],
+        "shown": [shown(nodes[input_.id], input_.factor) for input_ in inputs],
         "guarantees": [
             [one.id, options.published(one.id), one.default, one.ranking]
             for one in consert.guarantees
@@ -203,14 +217,14 @@ def _states(rows: Sequence[tuple[object, str]]) -> list[object]:
     return [next((value for value, verdict in plain if verdict == of), None) for of in _LETTERS]
 
 
-def _shown(node: Evidence | Demand, factor: tuple[int, int] | None) -> list[object] | None:
+def shown(node: Evidence | Demand, factor: tuple[int, int] | None) -> tuple[Any, ...] | None:
     """Return how a value is shown to people: what is needed, unit, factor."""
     dimension = dimension_of(node)
     if isinstance(dimension, BinaryDimension | CategoricalDimension):
         return None
     unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
     needs = " or ".join(covered.short for covered in dimension.covered)
-    return [f"{needs} {unit}".rstrip(), unit, [*(factor or (1, 1))]]
+    return f"{needs} {unit}".rstrip(), unit, factor or (1, 1)
 
 
 def dimension_of(node: Evidence | Demand) -> Dimension:

@@ -24,7 +24,7 @@ from eddi_scaffold.evidence.emitted import (
 from eddi_scaffold.evidence.reductions import number
 from eddi_scaffold.kinds.consert.consert import BinaryDimension, CategoricalDimension, ConSert
 from eddi_scaffold.kinds.consert.ranges import exact
-from eddi_scaffold.kinds.consert.vectors import ConSertVectors, dimension_of, in_unit
+from eddi_scaffold.kinds.consert.vectors import ConSertVectors, dimension_of, in_unit, shown
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.options import ConSertOptions
@@ -62,17 +62,15 @@ class Functions:
         return values[function]
 
 
-def verify(consert: ConSert, options: ConSertOptions, emitted: Emitted) -> Iterator[str]:
-    """Compare a text with a ConSert; yield what is proved."""
-    return _Proof(consert, options, emitted).proved()
+class Proof:
+    """A text that is compared with a ConSert."""
 
-
-class _Proof:
     def __init__(self, consert: ConSert, options: ConSertOptions, emitted: Emitted) -> None:
         self.consert, self.options, self.emitted = consert, options, emitted
         nodes = {node.id: node for node in consert.leaf_nodes}
         self.inputs = emitted.declared.inputs
-        self.dimensions = [dimension_of(nodes[input_.id]) for input_ in self.inputs]
+        self.nodes = [nodes[input_.id] for input_ in self.inputs]
+        self.dimensions = [*map(dimension_of, self.nodes)]
         self.sets = ConSertVectors(consert)
         self.ids = [input_.id for input_ in self.inputs]
         self.gates = {g.id: g.function for g in consert.gates}
@@ -90,16 +88,12 @@ class _Proof:
         emitted, monitor = self.emitted, self.emitted.monitor("consert.ConSert")
         emitted.attribute(monitor, "leaves", tuple(map(self._leaf, range(len(self.inputs)))))
         searched = "graph" in monitor.attributes  # by the runtime, where there are many gates
-        nodes = self.consert.inputs.items()
-        inner = {
-            id_: [source for source in of if source not in self.ids]
-            for id_, of in nodes
-            if id_ not in self.ids
-        }
-        number = {id_: k for k, id_ in enumerate([*self.ids, *in_order(inner)])}
+        sources = self.consert.inputs
+        inner = {id_: [k for k in sources[id_] if k not in self.ids] for id_ in sources}
+        order = [id_ for id_ in in_order(inner) if id_ not in self.ids]
+        number = {id_: k for k, id_ in enumerate([*self.ids, *order])}
         rows = tuple(
-            (id_, self.gates.get(id_, "And"), tuple(map(number.get, self.consert.inputs[id_])))
-            for id_ in [*number][len(self.ids) :]
+            (id_, self.gates.get(id_, "And"), tuple(map(number.get, sources[id_]))) for id_ in order
         )
         graph = Call("search.Graph", (Call("inputs"), rows))
         emitted.attribute(monitor, "graph", graph if searched else None)
@@ -124,15 +118,15 @@ class _Proof:
             return Call("consert.Binary", () if dimension.value else (False,))
         if isinstance(dimension, CategoricalDimension):
             return Call("consert.Categorical", dimension.covered)
+        needs, unit, _ = shown(self.nodes[k], factor) or ("", "", None)
         text = " or ".join(covered.text() for covered in dimension.covered)
         text += f" {dimension.uom}" if dimension.uom else ""
-        ranges, more = tuple(self._ranges(k)), () if factor is None else (factor,)
-        if factor is not None:
-            ends = (f"[{start:.9g}, {end:.9g}{']' if in_ else ')'}" for start, end, in_ in ranges)
-            text = f"{' or '.join(ends)}, which is {text}"
-        unit = "%" if dimension.uom in {"percent", "pct"} else dimension.uom or ""
-        needs = f"{' or '.join(covered.short for covered in dimension.covered)} {unit}".rstrip()
-        return Call("consert.Numeric", (ranges, text, needs, unit, *more))
+        ranges = tuple(self._ranges(k))
+        if factor is None:
+            return Call("consert.Numeric", (ranges, text, needs, unit))
+        ends = (f"[{start:.9g}, {end:.9g}{']' if closed else ')'}" for start, end, closed in ranges)
+        text = f"{' or '.join(ends)}, which is {text}"
+        return Call("consert.Numeric", (ranges, text, needs, unit, factor))
 
     def _ranges(self, k: int) -> Iterator[tuple[float, float, bool]]:
         for covered in getattr(self.dimensions[k], "covered", ()):
@@ -168,8 +162,7 @@ class _Proof:
         if paths is None or cuts is None:
             raise UnprovedError(node, f"{id_} has another form than in the model")
         names, of_model = self.ids, self.of_model[id_]
-        cases = [(leaves, 2, 1) for leaves in paths] + [(leaves, 1, 2) for leaves in cuts]
-        for leaves, inside, rest in cases:
+        for leaves, inside, rest in [*((of, 2, 1) for of in paths), *((of, 1, 2) for of in cuts)]:
             given = [inside if leaf in leaves else rest for leaf in names]
             if (self.functions.value(function, given) == 2) == (inside == 2):
                 continue
@@ -194,7 +187,7 @@ class _Proof:
             for of in gates:
                 args = values[of["a"]], values[of.get("b", of["r"])]
                 values[of["r"]] = self.functions.gate("And" if of["sign"] == "<" else "Or", args)
-        returned = lines.take("return V")["V"]
+        returned = lines.returned()
         flags = [*map(ast.unparse, returned.elts if isinstance(returned, ast.Tuple) else ())]
         if len(flags) != len(self.consert.guarantees):
             raise UnprovedError(returned)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from eddi_scaffold.conditions.samples import Drawing, in_turn
-from eddi_scaffold.evidence.vectors import MOST_BYTES, MOST_INPUTS, run_row, text, vectors_file
+from eddi_scaffold.evidence import vectors
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
@@ -19,22 +19,18 @@ def event_vectors(program: Program, inputs: Sequence[BoundInput], about: Mapping
 
     ``about``: the file of the model and its digest.
     """
-    if len(inputs) > MOST_INPUTS:
+    if len(inputs) > vectors.MOST_INPUTS:
         return ""
     factors = {input_.id: input_.factor for input_ in inputs if input_.factor is not None}
+    return vectors.fitting_file(about, inputs, _runs(program, factors), complete=True)
+
+
+def _runs(program: Program, factors: Mapping[str, tuple[int, int]]) -> Iterator[vectors.Run]:
     drawings = [Drawing(program, number, factors) for number in range(len(program.results))]
-    lists: dict[str, list[Any]] = {"runs": []}
-    size = len(vectors_file(about, inputs, lists, complete=False)) + 1000
     for number, run in in_turn(drawings):
-        row = run_row(run, partial(_results, program.results[number]))
-        size += len(text(row).encode()) + 10
-        if size > MOST_BYTES:
-            break
-        lists["runs"].append(row)
-    missed = [drawing.missed for drawing in drawings if drawing.missed]
-    lists["missed"] = missed if size + len(text(missed).encode()) < MOST_BYTES else []
-    complete = size <= MOST_BYTES and not missed
-    return vectors_file(about, inputs, lists, complete=complete)
+        yield vectors.run_row(run, partial(_results, program.results[number]))
+    if any(drawing.missed for drawing in drawings):
+        raise vectors.TooMuchError
 
 
 def _results(result: Result, verdict: bool | None) -> dict[str, bool | None]:

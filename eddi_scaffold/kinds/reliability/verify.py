@@ -59,7 +59,7 @@ class _System:
         if system.mission_end:
             raise UnprovedError(monitor.node, "the end of the mission is an input")
         lines = monitor.method("_models", "self")
-        node = lines.take("return V")["V"]
+        node = lines.returned()
         lines.end()
         written, models = data(node), {}
         for place, model in enumerate(system.used_models()):

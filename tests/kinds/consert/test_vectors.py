@@ -39,8 +39,14 @@ def test_vectors_are_those_of_the_definition(name: str) -> None:
         for class_, leaves in vectors.of(id_):
             verdict = vectors.verdicts(leaves)[ids.index(id_)]
             got[class_].add(f"{vectors.letters(leaves)} {verdict}")
-        for class_ in ("path", "path_rest_unknown", "cut", "cut_rest_unknown", "mcdc", "unknown"):
+        for class_ in ("path", "path_rest_unknown", "cut", "cut_rest_unknown", "unknown"):
             assert got[class_] == set(expected[class_]), class_
+        assert len(got["mcdc"]) == expected["mcdc_minimum"]
+        assert len(got["mcdc"]) == len(expected["mcdc_pairs"]) + 1
+        pairs = itertools.combinations(got["mcdc"], 2)
+        flips = ([a != b for a, b in zip(*pair, strict=True)] for pair in pairs)
+        decided = {of.index(True) for of in flips if of[-1] and sum(of) == 2}
+        assert [vectors.consert.leaves[k] for k in sorted(decided)] == expected["mcdc_pairs"]
         assert [sorted(path) for path in vectors.paths[id_] or ()] == expected["paths"]
         assert [sorted(cut) for cut in vectors.cuts[id_] or ()] == expected["cuts"]
 
