@@ -79,7 +79,7 @@ def connect(
     elif draft.is_changed:
         rewrite(draft.name, draft.before, draft.after)
     console.problems(draft.problems, summary=False)
-    if not (system or bag or others or draft.has_topics):
+    if not (system or bag or others or any(of.candidates for of in draft.decisions)):
         console.say("topics come from --system, --bag, or SimulatorOutputs of the configuration")
     console.say(_summary(draft, writes=output is not None and not dry_run and not as_json))
     if has_errors(draft.problems):
