@@ -30,7 +30,7 @@ from eddi_scaffold.connect.draft import Age, age_line, entry
 from eddi_scaffold.connect.keeping import Draft, model_id, topics_of, with_draft
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.robot import robot_of
-from eddi_scaffold.connect.rossystem import ConfigChange, read_config_text, with_topics
+from eddi_scaffold.connect.rossystem import ConfigChange, parse, read_config_text
 from eddi_scaffold.connect.topics import InputNeed, RobotTopic, words
 from eddi_scaffold.deployments.joining import join
 from eddi_scaffold.eddi_xml.links import events_of
@@ -168,7 +168,8 @@ def connect(
     defaults, ages_of = surroundings.default_guarantees, surroundings.ages
     models = checked_models(path, defaults).models
     file = config or Path("eddi_config.yml")
-    document, before = read_config_text(config, file)
+    document = read_config_text(file) if config else ConfigText(str(file), "", is_new=True)
+    original = document
     root, problems = document.root, list[Problem]()
     model = _chosen_model(models, name, root)
     _refuse_other(document, model, models)
@@ -178,7 +179,7 @@ def connect(
     if robot is not None:
         types |= robot.message_types()
     if robot is not None and robot.path is not None:  # its topics, as parse-rossystem has them
-        parsed = with_topics(robot, document, writes=lambda topic: is_ros_name(topic.topic))
+        parsed = parse(robot, document, writes=lambda topic: is_ros_name(topic.topic))
         document = read_block(Source(document.name, parsed.after.encode()))
         problems = robot.located(parsed.problems)
     entries = [(item, text_of(item, "id")) for item in items_of(root.get("EDDIInputs"))]
@@ -218,7 +219,7 @@ def connect(
     after = with_draft(document, draft)
     kept = frozenset(id_ or "" for item, id_ in entries if not any(undecided(item)))
     todo = len(list(undecided(read_block(Source(document.name, after.encode())).root)))
-    return DraftResult(document.name, before, after, decisions, kept, in_order(problems), todo)
+    return DraftResult(original, after, decisions, kept, in_order(problems), todo)
 
 
 def _chosen_model(models: Sequence[Model], name: str | None, root: Map) -> Model:
