@@ -16,7 +16,6 @@ from eddi_scaffold.common.problems import (
     Problem,
     did_you_mean,
     has_errors,
-    most_similar,
     problem,
     shortened_list,
 )
@@ -37,12 +36,7 @@ from eddi_scaffold.yaml_text.nodes import read_map
 YAML_SUFFIXES = (".yml", ".yaml")
 _HEAD = 4096
 _CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
-_YAML_KEYS = {
-    "a ConSert": ("guarantees", "demands", "evidence", "gates", "tree_propagations"),
-    "a configuration": ("Model", "SimulatorOutputs", "EDDIInputs", "EDDIOutputs"),
-    "a deployment file": ("Robots", "Bindings", "Station"),
-}
-"""Kind of file -> keys of its top level that tell it."""
+_CONSERT_KEYS = {"guarantees", "demands", "evidence", "gates", "tree_propagations"}
 _CONFIG_LINE = re.compile(rb"^(Model|SimulatorOutputs?|EDDIInputs)[ \t]*:", re.MULTILINE)
 
 
@@ -87,18 +81,11 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
         return ReadResult((), (problem("F003.nodes", place),))
     if name.endswith(YAML_SUFFIXES):
         node, _ = read_map(source, "C001")
-        known = {key: of for of, keys in _YAML_KEYS.items() for key in keys}
-        consert = {key for key, of in known.items() if of == "a ConSert"}
-        keys = [key for key, _ in (node.entries if node else ())]
-        if keys and not any(key.text in consert for key in keys):  # of no kind
-            meant = [(key, most_similar(key.text, known.keys() - consert)) for key in keys]
-            key, similar = next((pair for pair in meant if pair[1]), meant[0])
-            if similar is not None:
-                fields = {"key": key.text, "near": similar, "known": known[similar]}
-                return ReadResult((), (problem("F003.no_section", key.place, **fields),))
-            hint = ", ".join(f"{of} has `{first}`" for of, (first, *_) in _YAML_KEYS.items())
-            names = shortened_list([key.text for key in keys])
-            return ReadResult((), (problem("F003.keys", key.place, hint=hint, keys=names),))
+        keys = node.keys() if node else []
+        if keys and _CONSERT_KEYS.isdisjoint(keys):  # of no kind
+            key = node.entries[0][0]
+            names = shortened_list(keys)
+            return ReadResult((), (problem("F003.keys", key.place, keys=names),))
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].model_class.read_file(source, default_guarantees)
     if name.endswith(".csv"):

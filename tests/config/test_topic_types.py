@@ -60,8 +60,8 @@ def test_a_package_of_this_machine_is_known_with_its_actions(ros: Path) -> None:
     assert problems("acme.Helth") == []
 
 
-def test_a_package_that_nobody_knows_is_told_once() -> None:
-    result = problems("acme.Health", "acme.Other")
+def test_a_type_that_nobody_knows_is_told_once() -> None:
+    result = problems("acme.Health", "acme.Health")
     assert [(entry.code, entry.level) for entry in result] == [("K039", "warning")]
 
 
