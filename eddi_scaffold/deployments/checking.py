@@ -28,10 +28,8 @@ from eddi_scaffold.monitors.loading import (
     read_models,
     without_model,
 )
-from eddi_scaffold.monitors.spellings import older_spellings
 from eddi_scaffold.monitors.topic_types import check_types
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
-from eddi_scaffold.yaml_text.nodes import read_maps
 
 _OF_WHAT_LACKS = ("D006", "G001", "X037")
 """What is reported of something that no file has: it may be in one that could not be read."""
@@ -103,7 +101,6 @@ class _Check:
         if is_config(source):
             configs, reported = read_file(source, self.robot)
             self.configs += configs
-            reported += older_spellings(read_maps(source, "K001")[0])
             self.is_complete &= not has_errors(reported)
         else:
             reading = read_models(source, self.marks)

@@ -81,10 +81,10 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
         return ReadResult((), (problem("F003.nodes", place),))
     if name.endswith(YAML_SUFFIXES):
         node, _ = read_map(source, "C001")
-        keys = node.keys() if node else []
-        if keys and _CONSERT_KEYS.isdisjoint(keys):  # of no kind
-            key = node.entries[0][0]
-            names = shortened_list(keys)
+        if (
+            node is not None and node.entries and _CONSERT_KEYS.isdisjoint(node.keys())
+        ):  # of no kind
+            key, names = node.entries[0][0], shortened_list(node.keys())
             return ReadResult((), (problem("F003.keys", key.place, keys=names),))
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].model_class.read_file(source, default_guarantees)
