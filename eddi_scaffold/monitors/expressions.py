@@ -158,15 +158,13 @@ class ExpressionBinder:
         if has_errors(findings.problems):
             self.problems += findings.problems
             return []
-        only = next(iter(events)) if len(events) == 1 else None
-        event = self.entry.event or only
+        event = self.entry.event or (next(iter(events)) if len(events) == 1 else None)
         if event is None or event not in events:
-            there = ", ".join(events) or "none"
-            hint = did_you_mean(event or "", events) or f"events: {there}"
-            if event is None:
-                self._report("K020.no_event", "expression_file", hint=hint, file=name)
-            else:
-                self._report("K020.unknown_event", "event", hint=hint, file=name, event=event)
+            hint, key = (
+                f"events: {', '.join(events) or 'none'}",
+                "event" if event else "expression_file",
+            )
+            self._report("K020.no_event", key, hint=hint, file=name)
             return []
         polarity, own = events[event].polarity, self.entry.polarity
         if polarity is not None:
@@ -232,12 +230,7 @@ class ExpressionBinder:
         timeout = round(ages[0] * 1e9) if ages and not isinstance(ages[0], str) else None
         of = "float" if resolved.type in ("time", "duration") else resolved.type
         if of is not None and of not in _TYPES:
-            hint = f"its elements: MIN({name}[*])"
-            if not of.endswith("]"):  # a message
-                known_fields = ", ".join(f"{name}.{field}" for field in self.fields_of(of) or ())
-                hint = f"there are: {known_fields}" if known_fields else ""
-            fault = problem("K020.no_number", where(), hint=hint or None, name=name, type=of)
-            self.problems.append(fault)
+            self.problems.append(problem("K020.no_number", where(), name=name, type=of))
             return None
         advice = f"declare the fields of {source.type} below MessageTypes"
         is_known = of is not None
@@ -272,11 +265,8 @@ class ExpressionBinder:
         if head == name and head in self.below:
             self.problems.append(problem("E008.below", where(), input=head))
             return None
-        sources = self.sources.items()
-        fields = [f"{id_}.{name}" for id_, of in sources if head in (self.fields_of(of.type) or {})]
         names = [*self.sources, *self.inputs]
-        hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
-        hint = hint or f"there are: {', '.join(names) or 'none'}"
+        hint = did_you_mean(head, names) or f"there are: {', '.join(names) or 'none'}"
         self.problems.append(problem("E008.no_source", where(), hint=hint, source=head))
         return None
 
