@@ -88,8 +88,9 @@ def _steps_of_robot(
 
 PLATFORM = platforms.Platform(
     name="ros1",
-    templates=platforms.Templates(MONITOR, (MESSAGES, META, LAUNCHER, RUNTIME)),
-    workspace=platforms.Workspace("catkin workspace", "src/eddi_monitor"),
+    templates=(MONITOR, MESSAGES, META, LAUNCHER, RUNTIME),
+    workspace="catkin workspace",
+    root="src/eddi_monitor",
     monitor=monitor_answers,
     support=support_answers,
     taken_names=taken_names,

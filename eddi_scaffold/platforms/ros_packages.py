@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import rospkg
@@ -37,7 +38,6 @@ from eddi_scaffold.platforms import (
     runtime_of,
 )
 from eddi_scaffold.program.runtime_parts import requirements_of
-from eddi_scaffold.regions.package import LINK, entries
 
 _DIAGNOSTICS = {"/diagnostics": "diagnostic_msgs/DiagnosticArray"}
 _SECTIONS = {"pub": "publishers", "sub": "subscribers"}
@@ -52,7 +52,9 @@ def interfaces_of(node: MonitorNode) -> list[JsonValue]:
         "pub": {**told, **published, **_DIAGNOSTICS, **node.between_robots},
         "sub": {**read, **subscribed, **node.between_robots},
     }
-    return [f"{way} {name} {_named(of[name])}" for way, of in topics.items() for name in sorted(of)]
+    return [
+        f"{way} {name} {long_name(of[name])}" for way, of in topics.items() for name in sorted(of)
+    ]
 
 
 def nodes_of(monitors: Mapping[str, Mapping[str, Any]]) -> list[JsonValue]:
@@ -87,12 +89,12 @@ def _field(name: str, type_: str) -> str:
     if item == "std_msgs/Header":
         written = "Header"  # a word of the language, which needs no model of std_msgs
     else:
-        written = item if is_primitive(item) else f"'{_named(item)}'"
+        written = item if is_primitive(item) else f"'{long_name(item)}'"
     return f"{written}{type_.removeprefix(item)} {name}"
 
 
-def _named(type_: str) -> str:
-    """Return a type as in the models: ``std_msgs/msg/Bool``."""
+def long_name(type_: str) -> str:
+    """Return a message type as ROS 2 and the models of nodes write it: ``std_msgs/msg/Bool``."""
     return type_.replace("/", "/msg/")
 
 
@@ -142,19 +144,17 @@ def _manifests(source: Path, ignoring: str) -> Iterator[str]:
     It would follow every link, and one to `/` is the whole machine: here a link leads to one
     package, or to a repository with packages directly in it.
     """
-    places = {PurePosixPath(name): kind for name, kind in entries(source, {".git"})}
-    leaves = {path.parent for path in places if path.name in {*_MANIFESTS, ignoring}}
-    for path, kind in sorted(places.items()):
-        inner = path if kind == LINK else path.parent
-        if leaves.isdisjoint(inner.parents):
-            if kind is None and path.name in _MANIFESTS:
-                yield str(source / path.parent)
-            elif kind == LINK:
-                manifests = [
-                    *(source / path).glob("package.xml"),
-                    *(source / path).glob("*/package.xml"),
-                ]
-                yield from (str(manifest.parent) for manifest in manifests if manifest.is_file())
+    for place, folders, names in os.walk(source):
+        links = [Path(place, name) for name in folders if Path(place, name).is_symlink()]
+        manifests = [Path(place, name) for name in names if name in _MANIFESTS]
+        if ignoring in names:
+            manifests = []
+        elif not manifests:
+            patterns = ("package.xml", "*/package.xml")
+            manifests = [found for link in links for of in patterns for found in link.glob(of)]
+        if not {*_MANIFESTS, ignoring}.isdisjoint(names):
+            folders.clear()
+        yield from (str(manifest.parent) for manifest in manifests if manifest.is_file())
 
 
 def _is_ours(package: Path) -> bool:
@@ -199,24 +199,22 @@ _OURS = frozenset({"Input", "Output", "RosNode", "EDDIInput", "EDDIMonitor", "Mo
 
 
 def classes_of(node: MonitorNode) -> dict[str, str]:
-    """Return message type -> Python name of its class; whole messages of ours keep their module."""
-    values = [topic.type for topic in node.published if topic.path]
-    classes = _class_names([*(source.type for source in node.subscribed), *values])
+    """Return message type -> Python name of its class; whole messages of ours keep their module.
+
+    Equal names of two packages get the package before.
+    """
+    values = (topic.type for topic in node.published if topic.path)
+    types = sorted({*(source.type for source in node.subscribed), *values})
+    names = [name.partition("/")[2] for name in types]
+    classes = {
+        full: name if names.count(name) == 1 and name not in _OURS else full.replace("/", "_")
+        for full, name in zip(types, names, strict=True)
+    }
     return classes | {p.type: _in_module(p.type) for p in node.published if not p.path}
 
 
 def _in_module(type_: str) -> str:
     return type_.replace("/", ".msg.")
-
-
-def _class_names(types: Iterable[str]) -> dict[str, str]:
-    """Return message type -> Python name; equal names of two packages get the package before."""
-    unique = sorted(set(types))
-    names = [name.partition("/")[2] for name in unique]
-    return {
-        full: name if names.count(name) == 1 and name not in _OURS else full.replace("/", "_")
-        for full, name in zip(unique, names, strict=True)
-    }
 
 
 def imports_of(classes: Mapping[str, str]) -> list[str]:
