@@ -27,12 +27,6 @@ from eddi_scaffold.common.problems import HintedError, did_you_mean
 from eddi_scaffold.config.field_types import PRIMITIVES
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
-_INPUT_TYPES = {
-    "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
-    "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
-    "int64": "int", "str": "str", "string": "str", "text": "str", "state": "state",
-    "float[]": "float[]", "number[]": "float[]", "bool[]": "bool[]",
-}  # fmt: skip
 _QUANTITY = re.compile(r"([0-9]{1,9}(?:\.[0-9]{1,9})?(?:e[-+]?[0-9]{1,2})?) *([a-z]*)")
 _ADDRESS = re.compile(r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>")
 _SECONDS = {"": 1.0, "ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
@@ -93,12 +87,6 @@ def _field_type(text: str) -> str:
         hint = did_you_mean(name, PRIMITIVES) or "such as float64 or std_msgs/Header"
         raise HintedError(f"there is no type {name!r}: a type of ROS messages is expected", hint)
     return text
-
-
-def _input_type(text: str) -> str:
-    if text.lower() not in _INPUT_TYPES:
-        raise ValueError("the type of an input is bool, float, int, str, state, float[] or bool[]")
-    return _INPUT_TYPES[text.lower()]
 
 
 def _named(value: object) -> object:
@@ -229,7 +217,7 @@ class SimulatorOutput(Entry):
 class InputEntry(Entry):
     """One input of the monitor."""
 
-    type: Annotated[StrictStr, AfterValidator(_input_type)] | None = None
+    type: Literal["bool", "float", "int", "str", "state", "float[]", "bool[]"] | None = None
     requires: list[Name] = []  # ids of the simulator outputs it is made of
     default: Default = None  # value before the first message
     unit: StrictStr | None = None  # unit of the value, when it is not the model's
