@@ -134,10 +134,7 @@ def monitor_of(
             fields = {"kind": kind.title, "declared": section.type}
             problems.append(problem("K010.kind", config.place("Model", "type"), **fields))
         if package_name(section.id) != package_name(model.name):
-            problems.append(problem("K012.package", place, id=section.id, model=model.name))
-        elif section.id != model.name:
-            fields = {"id": section.id, "original": model.name, "source": model.source.name}
-            problems.append(problem("K012.spelling", place, **fields))
+            problems.append(problem("K012", place, id=section.id, model=model.name))
         place, entries = config.place("Model"), config.config.EDDIInputs
         frequency, package = section.frequency, package_name(section.id)
     first: dict[str, str] = {}

@@ -23,8 +23,6 @@ from eddi_scaffold.monitors.message_types.documented import documented_at
 
 EXPRESSION_KEYS = ("expression", "expression_file", "states")
 """Keys of an input, one of which defines how it is computed."""
-KeyPaths = Mapping[str, Mapping[str, Sequence[field_paths.PlainStep]]]
-"""Simulator output -> name with keys in brackets -> its path."""
 _TYPES: Mapping[str | None, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
 _KEYED = (field_paths.ByKey, field_paths.ByName, field_paths.Every)
 _Where = Callable[[], Place]  # the place of a name, which is looked for only if it is reported
@@ -39,7 +37,6 @@ class CheckedExpression:
     document: dict[str, JsonValue]
     text: str  # canonical form, for comments; an event of a file has its name before it
     unit: str | None  # of its value, `None` for none
-    key_paths: KeyPaths  # simulator output -> name with keys in brackets -> its path
 
 
 class ExpressionBinder:
@@ -99,23 +96,18 @@ class ExpressionBinder:
                 break
         if has_errors(self.problems):
             return None
-        key_paths: dict[str, dict[str, list[field_paths.PlainStep]]] = {}
+        paths: dict[str, JsonValue] = {}
         for name in compiled.names:  # from those with keys the runtime cannot derive the path
             path = self.resolved[name].path if name in self.resolved else ()
             if any(isinstance(step, _KEYED) for step in path):
-                of_source = key_paths.setdefault(self.sources[head_of(name)].id, {})
-                of_source[name] = [field_paths.plain_step(step) for step in path]
-        more: dict[str, JsonValue] = {
-            "checks": {name: self.checks[name] for name in compiled.names if name in self.checks},
-            "paths": {
-                name: list(path) for paths in key_paths.values() for name, path in paths.items()
-            },
-        }
+                paths[name] = [field_paths.plain_step(step) for step in path]
+        checks = {name: self.checks[name] for name in compiled.names if name in self.checks}
         names: JsonValue = {  # first part of a name -> message or input, and its id
             name: ["message", self.sources[name].id] if name in self.sources else ["input", name]
             for name in compiled.requires
         }
-        document = {**compiled.document, "names": names} | {k: v for k, v in more.items() if v}
+        document = {**compiled.document, "names": names}
+        document |= {k: v for k, v in {"checks": checks, "paths": paths}.items() if v}
         text = "; ".join(compiled.canonical)
         if self.entry.expression_file is not None:
             text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
@@ -126,7 +118,7 @@ class ExpressionBinder:
         sources = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
         listed = [sources[name] for name in self.entry.requires if name in sources]
         requires = tuple(dict.fromkeys([*listed, *used]))
-        return CheckedExpression(requires, document, text, compiled.unit, key_paths)
+        return CheckedExpression(requires, document, text, compiled.unit)
 
     def _texts(self) -> list[ExpressionText]:
         entry = self.entry

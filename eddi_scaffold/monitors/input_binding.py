@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import attribute, full_topic
@@ -21,7 +21,6 @@ from eddi_scaffold.monitors.expressions import (
     EXPRESSION_KEYS,
     CheckedExpression,
     ExpressionBinder,
-    KeyPaths,
     head_of,
     path_behind,
 )
@@ -79,8 +78,6 @@ class InputBinding:
     known_fields: Mapping[str, Sequence[str]] | None = None
     computed: Mapping[str, JsonValue] | None = None  # what `expression:` computes, for the runtime
     text: str = ""  # of it, or the field, for people
-    # simulator output -> name in `expression:` with keys in brackets -> its path
-    key_paths: KeyPaths = field(default_factory=dict)
     reads: tuple[str, ...] | None = None  # names of fields and inputs that it reads
     # claims of other monitors that it reads: a simulator output, and the id of the claim, empty for
     # that which the message names
@@ -122,7 +119,7 @@ class InputBinding:
         name = self.model.id
         source = SimulatorOutput.model_construct(id=name, type="", topic=topic, max_age=None)
         direct = replace(self, requires=(source,), arguments=(self.attribute,))
-        return replace(direct, expression=self.attribute, computed=None, key_paths={}, reads=None)
+        return replace(direct, expression=self.attribute, computed=None, reads=None)
 
 
 class InputBinder:
@@ -181,8 +178,7 @@ class InputBinder:
             claims=tuple(self._claims(reads)),
         )
         if computed is not None:
-            document, text, paths = computed.document, computed.text, computed.key_paths
-            binding = replace(binding, computed=document, text=text, key_paths=paths)
+            binding = replace(binding, computed=computed.document, text=computed.text)
         return binding, self.problems
 
     def _claims(self, reads: Sequence[str] | None) -> Iterator[tuple[str, str]]:

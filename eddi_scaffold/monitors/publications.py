@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
+from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, OutputEntry, SimulatorOutput
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, head_of
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.monitors.message_types import known_messages
 
@@ -175,5 +177,7 @@ def _paths(
         except field_paths.FieldPathError:  # no path, which is reported elsewhere
             return
     key = next((key for key in EXPRESSION_KEYS if getattr(item, key) is not None), "id")
-    for name, path in binding.key_paths.get(source.id, {}).items():
-        yield key, name, path
+    computed: Mapping[str, Any] = binding.computed or {}
+    paths = computed.get("paths", {})
+    for name in (name for name in paths if head_of(name) == attribute(source.id)):
+        yield key, name, paths[name]
