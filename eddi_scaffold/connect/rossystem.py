@@ -17,7 +17,6 @@ from eddi_scaffold.common.problems import (
     has_errors,
     in_order,
     problem,
-    shortened_list,
     with_excerpts,
 )
 from eddi_scaffold.config.topic_block import (
@@ -27,7 +26,6 @@ from eddi_scaffold.config.topic_block import (
 )
 from eddi_scaffold.connect.robot import Robot
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.mros.resolving import flattened
 from eddi_scaffold.mros.topics import Outputs, Topic, simulator_outputs
 
 
@@ -79,33 +77,6 @@ class Filters:
             return False
         is_provided = not self.components or _matches(topic.components, self.components)
         return is_provided and self.keeps_name(topic.topic)
-
-    def check(self, robot: Robot, outputs: Outputs, topics: Collection[str]) -> None:
-        """Refuse filters that match nothing, with what did not resolve: it may be the cause.
-
-        Raises:
-            EddiError: a glob matches nothing, or together they leave nothing.
-        """
-        systems, _ = flattened(robot.system, robot.models.systems)
-        components = {component.name for part in systems for component in part.components}
-        wrong = []
-        for kind, option, globs, names in (
-            ("topic", "--only", self.topics, topics),
-            ("component", "--component", self.components, components),
-        ):
-            hint = f"there are: {shortened_list(sorted(names))}"
-            fields = {"kind": kind, "option": option}
-            wrong += [
-                problem("M022.no_match", hint=hint, pattern=glob, **fields)
-                for glob in globs
-                if not _matches(names, [glob])
-            ]
-        some = self.topics or self.components
-        if some and not wrong and outputs.is_complete and not outputs.topics:
-            wrong = [problem("M022.no_topic")]
-        if wrong:
-            problems = in_order([*robot.problems, *outputs.problems])
-            raise EddiError(*robot.located(p for p in problems if p.level == "error"), *wrong)
 
 
 def _matches(names: Iterable[str], globs: Sequence[str]) -> bool:
@@ -185,7 +156,8 @@ def parse(
     problems = [*robot.problems, *outputs.problems]
     resolved = {topic.topic for topic in every.topics}
     lost = set() if outputs.is_complete else {old.topic for old in document.old} - resolved
-    filters.check(robot, outputs, resolved | lost)
+    if filters != Filters() and not (outputs.topics or has_errors(problems)):
+        raise EddiError(problem("M022"))
     after, notes = document.text, list[Problem]()
     if outputs.topics or not has_errors(problems):
         written = [*filter(writes, outputs.topics)]

@@ -44,12 +44,6 @@ def publications(
     parts = list(monitor.model.separate_outputs())
     for index, output in enumerate(config.config.EDDIOutputs):
         places = partial(config.place, "EDDIOutputs", index)
-        deadline, rate = output.qos.deadline, config.config.Model.frequency
-        if deadline is not None and deadline * rate < 1:
-            place, period = places("qos", "deadline"), 1 / rate
-            problems.append(
-                problem("K029.deadline", place, deadline=deadline, rate=rate, period=period)
-            )
         if output.event is not None and output.event not in parts:
             hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
             problems.append(problem("K020.event", places("event"), hint=hint, event=output.event))

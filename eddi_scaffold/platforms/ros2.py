@@ -53,7 +53,7 @@ _IMPORTED_BY_RCLPY = (
 def _taken_names(root: Path | None) -> Mapping[str, str]:
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     environment = [os.path.join(prefix, "share") for prefix in prefixes if prefix]  # noqa: PTH118 - as text
-    return ros_packages.taken_names(root, environment, "COLCON_IGNORE", _IMPORTED_BY_RCLPY)
+    return ros_packages.taken_names(root, environment, _IMPORTED_BY_RCLPY)
 
 
 def _next_steps(place: Path, _monitors: Sequence[str]) -> Sequence[str]:

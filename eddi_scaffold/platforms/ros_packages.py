@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -101,60 +100,32 @@ def long_name(type_: str) -> str:
 ROSDEP_KEY = "python3-eddi-runtime-pip"  # the runtime library as a distribution that is installed
 LAUNCHER = "eddi_monitor_launcher"
 GENERATED = "eddi-scaffold generates a package of this name itself"
-_MANIFESTS = frozenset(["package.xml", "manifest.xml"])
 
 
 def taken_names(
     root: Path | None,
-    environment: Iterable[str],
-    ignoring: str,
+    environment: Sequence[str],
     imported: Iterable[str],
     own: Iterable[str] = (),
 ) -> Mapping[str, str]:
     """Return package names that must not be used, with the reason.
 
-    Packages of the environment and of the workspace count, those below ``root`` do not: they are
-    our own. Without ``root`` no package of ours counts: it may be the one that is meant.
+    Packages of the environment count, those below ``root`` do not: they are our own. Without
+    ``root`` no package of ours counts: it may be the one that is meant.
     """
-    inside = _manifests(root.parent, ignoring) if root is not None else ()
     ours = root.resolve() if root is not None else None
     taken: dict[str, str] = {}
-    sourced = "; a terminal in which its workspace is not sourced does not see it"
-    for paths, end in ((inside, ""), (environment, sourced)):
-        for name, place in _packages(paths):
-            if not (place.is_relative_to(ours) if ours is not None else _is_ours(place)):
-                taken.setdefault(name, f"the ROS package {name} is in {place}{end}")
+    for path in environment:
+        folder = rospkg.RosPack([path])
+        with suppress(rospkg.InvalidManifest):  # a path with a damaged manifest has no packages
+            for name in folder.list():
+                place = Path(folder.get_path(name)).resolve()
+                if not (place.is_relative_to(ours) if ours is not None else _is_ours(place)):
+                    taken.setdefault(name, f"the ROS package {name} is in {place}")
     taken |= taken_by_python()
     taken |= dict.fromkeys(imported, "it would hide a module that every ROS node imports")
     generated = (MESSAGE_PACKAGE, LAUNCHER, RUNTIME_PACKAGE, *own)
     return taken | dict.fromkeys(generated, GENERATED)
-
-
-def _packages(paths: Iterable[str]) -> Iterator[tuple[str, Path]]:
-    """Yield the packages of ROS paths; a path with a damaged manifest has none."""
-    for path in paths:
-        folder = rospkg.RosPack([path])
-        with suppress(rospkg.InvalidManifest):
-            yield from ((name, Path(folder.get_path(name)).resolve()) for name in folder.list())
-
-
-def _manifests(source: Path, ignoring: str) -> Iterator[str]:
-    """Yield the folders of a workspace that hold a manifest, as rospkg finds them.
-
-    It would follow every link, and one to `/` is the whole machine: here a link leads to one
-    package, or to a repository with packages directly in it.
-    """
-    for place, folders, names in os.walk(source):
-        links = [Path(place, name) for name in folders if Path(place, name).is_symlink()]
-        manifests = [Path(place, name) for name in names if name in _MANIFESTS]
-        if ignoring in names:
-            manifests = []
-        elif not manifests:
-            patterns = ("package.xml", "*/package.xml")
-            manifests = [found for link in links for of in patterns for found in link.glob(of)]
-        if not {*_MANIFESTS, ignoring}.isdisjoint(names):
-            folders.clear()
-        yield from (str(manifest.parent) for manifest in manifests if manifest.is_file())
 
 
 def _is_ours(package: Path) -> bool:

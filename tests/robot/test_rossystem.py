@@ -130,7 +130,5 @@ def test_a_filter_may_wait_for_what_did_not_resolve(robot: Path) -> None:
     assert len(said(found, "M026.dropped")) == 2
     found = parsed(robot, filters=Filters(components=("front",)))
     assert (found.is_changed, said(found, "M007") != []) == (False, True)
-    with pytest.raises(EddiError) as refused:
-        parsed(robot, filters=Filters(topics=("/rear/*",)))
-    assert [p.code for p in refused.value.problems] == ["M007", "M022"]
-    assert refused.value.problems[0].place.file == str(robot / "robot.rossystem")
+    found = parsed(robot, filters=Filters(topics=("/rear/*",)))
+    assert (found.is_changed, said(found, "M007") != []) == (False, True)
