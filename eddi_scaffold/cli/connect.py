@@ -77,9 +77,9 @@ def connect(
     elif output is None:
         console.data(draft.after.rstrip("\n"))
     elif draft.is_changed:
-        rewrite(draft.name, draft.before, draft.after)
+        rewrite(draft.document, draft.after)
     console.problems(draft.problems, summary=False)
-    if not (system or bag or others or draft.has_topics):
+    if not (system or bag or others or any(of.candidates for of in draft.decisions)):
         console.say("topics come from --system, --bag, or SimulatorOutputs of the configuration")
     console.say(_summary(draft, writes=output is not None and not dry_run and not as_json))
     if has_errors(draft.problems):
@@ -91,7 +91,11 @@ def _summary(draft: DraftResult, *, writes: bool) -> str:
     states = Counter(map(draft.state, draft.decisions))
     counts = ", ".join(f"{states[key]} {text}" for key, text in _STATES.items() if states[key])
     inputs = plural(states.total(), "input") + (f": {counts}" if counts else "")
-    done = f"; {draft.name} is {'written' if draft.is_changed else 'up to date'}" if writes else ""
+    done = (
+        f"; {draft.document.name} is {'written' if draft.is_changed else 'up to date'}"
+        if writes
+        else ""
+    )
     return f"{inputs}; {plural(draft.todo, 'value')} to be decided{done}"
 
 
@@ -135,19 +139,21 @@ def parse_rossystem(
         topics: Names of the system, or those of the node models.
     """
     from eddi_scaffold.connect.robot import read_robot
-    from eddi_scaffold.connect.rossystem import Filters, parse
+    from eddi_scaffold.connect.rossystem import Filters, parse, read_config_text
     from eddi_scaffold.packages.transaction import rewrite
 
     robot = read_robot(system, models)
     filters = Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure)
-    parsed = parse(robot, config, include=include or (), filters=filters, names=topics)
+    parsed = parse(
+        robot, read_config_text(config), include=include or (), filters=filters, names=topics
+    )
     if format == "json":
         console.json(parsed.as_json())
     elif dry_run:
         if diff := parsed.diff():
             console.data(diff.rstrip("\n"))
     elif parsed.is_changed:
-        rewrite(parsed.name, parsed.before, parsed.after)
+        rewrite(parsed.document, parsed.after)
     console.problems(robot.located(parsed.problems), summary=False)
     counts = {key: plural(n, key.removesuffix("s")) for key, n in parsed.summary().items()}
     summary = ", ".join(counts[key] for key in ("components", "publishers", "topics"))
@@ -167,7 +173,7 @@ def _result(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
     """Return what became of the configuration."""
     from eddi_scaffold.config.topic_block import KEPT_ENTRIES
 
-    failed, is_new = has_errors(parsed.problems), parsed.before is None
+    failed, is_new = has_errors(parsed.problems), parsed.document.is_new
     if failed and not parsed.outputs.topics:
         return f"nothing resolved, so {config} is not {'written' if is_new else 'changed'}"
     if not parsed.is_changed:

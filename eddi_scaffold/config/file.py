@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from eddi_scaffold.common.files import Source, next_to, read_source, similar_file
+from eddi_scaffold.common.files import next_to, similar_file
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -17,7 +17,6 @@ from eddi_scaffold.common.problems import (
     Place,
     Problem,
     did_you_mean,
-    most_similar,
     problem,
 )
 from eddi_scaffold.config.schema import Config, Section
@@ -107,17 +106,14 @@ def violations(
     form: type[BaseModel],
 ) -> Iterator[Problem]:
     """Turn pydantic's findings into problems with a place, one per value (K003)."""
-    errors = failed.errors()
-    unknown = [error["loc"] for error in errors if error["type"] == "extra_forbidden"]
-    misspelt = {(*loc[:-1], most_similar(str(loc[-1]), keys_at(form, loc[:-1]))) for loc in unknown}
     seen: set[ValuePath] = set()
-    for error in errors:
+    for error in failed.errors():
         path = loc = tuple(error["loc"])
         while path and path not in places:
             path = path[:-1]
         is_missing = error["type"] == "missing"
-        if (is_missing and loc in misspelt) or (path in seen and not is_missing):
-            continue  # a missing key is told where it is misspelt
+        if path in seen and not is_missing:
+            continue
         seen.add(path)
         place, key = places.get(path, Place(file)), str(loc[-1])
         named = ".".join(part for part in path if isinstance(part, str)) or "the file"
@@ -180,17 +176,6 @@ class ConfigFile(Placed):
     def path(self, name: str) -> str:
         """Return the path of a file that is named relative to this configuration, for places."""
         return name if self.remembered else str(Path(self.name).parent / name)
-
-    def read(self, name: str) -> Source:
-        """Open a file that is named relative to this configuration.
-
-        Raises:
-            EddiError: it cannot be read (F001), it is not below the folder of the configuration
-                (F009), or the configuration is a remembered one (K033).
-        """
-        if self.remembered:
-            raise EddiError(problem("K033.remembered", name=name))
-        return read_source(next_to(self.name, name))
 
     def inside(self, *path: str | int) -> Callable[[int], Place]:
         """Return offset in the text of a value -> its place in the file."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from typing import Annotated, Any, Literal
 
 from eddi_runtime.node.start import FREQUENCIES
@@ -27,23 +27,15 @@ from eddi_scaffold.common.problems import HintedError, did_you_mean
 from eddi_scaffold.config.field_types import PRIMITIVES
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
-_INPUT_TYPES = {
-    "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
-    "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
-    "int64": "int", "str": "str", "string": "str", "text": "str", "state": "state",
-    "float[]": "float[]", "number[]": "float[]", "bool[]": "bool[]",
-}  # fmt: skip
 _QUANTITY = re.compile(r"([0-9]{1,9}(?:\.[0-9]{1,9})?(?:e[-+]?[0-9]{1,2})?) *([a-z]*)")
 _ADDRESS = re.compile(r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>")
 _SECONDS = {"": 1.0, "ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
-_HERTZ = {"": 1.0, "hz": 1.0, "khz": 1e3}
 _LONGEST = 1e6  # seconds: more is not a limit at all
 
 
 def _number(
     what: str,
     is_legal: Callable[[float], bool],
-    units: Mapping[str, float] = _SECONDS,
     hint: str | None = None,
     words: Collection[object] = (),
 ) -> BeforeValidator:
@@ -53,11 +45,10 @@ def _number(
         if value in words:
             return value
         match = _QUANTITY.fullmatch(value.strip().casefold()) if isinstance(value, str) else None
-        if match is not None and match[2] and match[2] in units:
-            value = float(f"{float(match[1]) * units[match[2]]:.15g}")
+        if match is not None and match[2] and match[2] in _SECONDS:
+            value = float(f"{float(match[1]) * _SECONDS[match[2]]:.15g}")
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            digits = "write digits and a decimal point, such as 0.5"
-            raise HintedError(f"{what} are expected", digits if isinstance(value, str) else None)
+            raise HintedError(f"{what} are expected", "such as 0.5")
         if not is_legal(value):  # never true of not-a-number
             raise HintedError(f"{what} are expected", hint)
         return float(value)
@@ -95,12 +86,6 @@ def _field_type(text: str) -> str:
     return text
 
 
-def _input_type(text: str) -> str:
-    if text.lower() not in _INPUT_TYPES:
-        raise ValueError("the type of an input is bool, float, int, str, state, float[] or bool[]")
-    return _INPUT_TYPES[text.lower()]
-
-
 def _named(value: object) -> object:
     """Accept D7.2's ids that YAML 1.1 reads as numbers."""
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
@@ -110,7 +95,6 @@ _LOW, _HIGH = FREQUENCIES
 _frequency = _number(
     f"{_LOW:f} to {_HIGH:.0f} steps per second",
     lambda hertz: _LOW <= hertz <= _HIGH,
-    _HERTZ,
     "10 is usual, and `mode: on_change` steps at once when a message arrives",
 )
 _lease = _number(f"seconds above 0, up to {LONGEST_LEASE:g},", lambda s: 0 < s <= LONGEST_LEASE)
@@ -229,7 +213,7 @@ class SimulatorOutput(Entry):
 class InputEntry(Entry):
     """One input of the monitor."""
 
-    type: Annotated[StrictStr, AfterValidator(_input_type)] | None = None
+    type: Literal["bool", "float", "int", "str", "state", "float[]", "bool[]"] | None = None
     requires: list[Name] = []  # ids of the simulator outputs it is made of
     default: Default = None  # value before the first message
     unit: StrictStr | None = None  # unit of the value, when it is not the model's

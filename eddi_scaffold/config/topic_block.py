@@ -8,7 +8,7 @@ comments stay with their topic.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.common.files import Source
@@ -43,19 +43,11 @@ class OldEntry(TopicEntry):
 
 
 @dataclass(frozen=True)
-class DroppedTopic:
-    """Why an entry of the old block is not among the new ones."""
-
-    why: str = "is not published by the system"  # what is reported about it
-    stays: bool = False  # it is kept, whether an input requires it or not
-
-
-@dataclass(frozen=True)
 class ConfigText:
     """A configuration as text, with the places that matter here."""
 
     name: str  # of the file
-    text: str  # without byte order mark
+    text: str  # without byte order mark; empty where there is no file
     root: Map = field(default=Map(()))  # its content, empty where it says nothing
     start: int = 0  # offset of the block; where it would be put when there is none
     end: int = 0  # offset behind the line in which it ends; equal to `start` when there is none
@@ -63,6 +55,7 @@ class ConfigText:
     head: str = ""  # the comment behind the name of the block
     # lines of the block that hold a comment, where it is a list in brackets
     comments: tuple[int, ...] = ()
+    is_new: bool = False  # there is no file
 
     def inputs(self) -> Iterator[Map]:
         """Yield the entries of ``EDDIInputs``."""
@@ -126,13 +119,13 @@ def read_block(source: Source) -> ConfigText:
 def rewritten(
     document: ConfigText,
     entries: Sequence[TopicEntry],
-    absence: Callable[[OldEntry], DroppedTopic] = lambda _: DroppedTopic(),
+    lost: Collection[str] = (),
 ) -> tuple[str, list[Problem]]:
     """Return the text with another block, and what a person should know.
 
-    An entry of the old block whose topic is not among the new ones is dropped, unless ``absence``
-    shows that it stays, or an input requires its id: that one is typically the output of another
-    monitor, and stays.
+    An entry of the old block whose topic is not among the new ones is dropped, unless that is
+    ``lost``, because something did not resolve, or an input requires its id: that one is typically
+    the output of another monitor.
 
     Raises:
         EddiError: the text would not be YAML any more (K001).
@@ -141,23 +134,21 @@ def rewritten(
     old = {entry.topic: entry for entry in document.old}
     lines = [line for entry in entries for line in _lines(entry, old.get(entry.topic))]
     problems: list[Problem] = []
-    used, lost, kept = document.used(), set(document.comments), []
+    used, gone, kept = document.used(), set(document.comments), []
     for entry in document.old:
         if entry.topic in topics:
             continue
-        absent = absence(entry)
-        subject = f"{entry.id!r} ({entry.topic}) {absent.why}"
-        if entry.id in ids or not (absent.stays or entry.id in used):
-            problems.append(problem("M026.dropped", entry.place, subject=subject))
-            lost.update(entry.above, entry.inside)
+        case = "M026.stays" if entry.topic in lost else "M026.needed"
+        if entry.id in ids or not (entry.topic in lost or entry.id in used):
+            case = "M026.dropped"
+            gone.update(entry.above, entry.inside)
         else:
-            case = "M026.stays" if absent.stays else "M026.needed"
-            problems.append(problem(case, entry.place, subject=subject))
             lines += entry.lines()
             kept.append(entry.id)
-    if lost:
-        numbers = ", ".join(map(str, sorted(lost)))
-        place = Place(document.name, min(lost), 1)
+        problems.append(problem(case, entry.place, id=entry.id, topic=entry.topic))
+    if gone:
+        numbers = ", ".join(map(str, sorted(gone)))
+        place = Place(document.name, min(gone), 1)
         problems.append(problem("M026.comments", place, lines=numbers))
     lines = [f"SimulatorOutputs:{'' if lines else ' []'}{document.head}", *lines]
     editor = TextEditor(document.text)
@@ -181,7 +172,7 @@ def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:
         return document.text
     dash = re.search(r"(?m)^([ ]*)-", document.text[document.start : document.end])
     if dash is None or not document.old:  # no block yet, or one in brackets
-        return rewritten(document, entries, lambda _: DroppedTopic(stays=True))[0]
+        return rewritten(document, entries, {old.topic for old in document.old})[0]
     lines = [line.removeprefix("  ") for entry in entries for line in _lines(entry, None)]
     editor = TextEditor(document.text)
     editor.replace(document.end, document.end, lines, len(dash[1]))

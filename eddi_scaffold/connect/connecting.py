@@ -21,29 +21,26 @@ from eddi_scaffold.common.problems import (
     Problem,
     has_errors,
     in_order,
-    most_similar,
     problem,
-    shortened_list,
-    with_excerpts,
 )
 from eddi_scaffold.config.field_types import Fields, MessageFields, declared
 from eddi_scaffold.config.file import undecided
-from eddi_scaffold.config.topic_block import extended, read_block
+from eddi_scaffold.config.topic_block import ConfigText, extended, read_block
 from eddi_scaffold.connect.draft import Age, age_line, entry
 from eddi_scaffold.connect.keeping import Draft, model_id, topics_of, with_draft
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.robot import robot_of
-from eddi_scaffold.connect.rossystem import ConfigChange, read_config_text, with_topics
+from eddi_scaffold.connect.rossystem import ConfigChange, parse, read_config_text
 from eddi_scaffold.connect.topics import InputNeed, RobotTopic, words
 from eddi_scaffold.deployments.joining import join
 from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Model, ModelInput, Options, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs
+from eddi_scaffold.monitors.config_reading import read_configs
 from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.mros.topics import slug
-from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, text_of, value_11
+from eddi_scaffold.yaml_text.nodes import Map, items_of, scalars_of, text_of, value_11
 
 _SILENT = (False,)  # what a field may be while nothing is known, that evidence may be made of
 
@@ -63,38 +60,16 @@ class Surroundings:
     types: MessageFields = field(default_factory=dict)  # of their messages
 
 
-def other_monitors(
-    models: Sequence[Model], surroundings: Surroundings, package: str
-) -> list[BoundMonitor]:
-    """Return the monitors of the other configurations, without that of a package.
-
-    Raises:
-        EddiError: one of them cannot be used.
-    """
-    if not surroundings.configs:
-        return []
-    defaults = surroundings.default_guarantees
-    configs, _ = read_configs(surroundings.configs, RobotAdditions())
-    monitors, problems = join(
-        models, configs, lambda path: checked_models(path, defaults), defaults
-    )
-    if has_errors(problems):
-        raise EddiError(*problems)
-    return [monitor for monitor in monitors if monitor.package != package]
-
-
 def fulfilments(
     monitors: Sequence[BoundMonitor],
     model: Model,
     inputs: Sequence[ModelInput],
     topics: Sequence[RobotTopic],
 ) -> tuple[dict[str, list[Fulfilment]], list[RobotTopic]]:
-    """Return what fulfils demands, and evidence: what has its id, or what the EDDI names for it.
+    """Return input -> what fulfils it, and the topics that are not among those of the robot yet.
 
-    For evidence that nothing fulfils, every claim of the others is one that a person may choose.
-
-    Returns:
-        Input -> what fulfils it; the topics that are not among those of the robot yet.
+    It is what has the id of evidence, or what the EDDI names for it. For evidence that nothing
+    fulfils, every claim of the others is one that a person may choose.
     """
     by_topic = {topic.topic: topic for topic in topics}
     by_input: dict[str, list[Fulfilment]] = {}
@@ -160,11 +135,6 @@ class DraftResult(ConfigChange):
         """Return ``taken``, ``listed`` or ``none``, or ``kept`` where a person has decided."""
         return "kept" if decision.need.id in self.kept else decision.state
 
-    @property
-    def has_topics(self) -> bool:
-        """Whether the configuration names topics of a robot."""
-        return bool(topics_of(read_block(Source(self.name, self.after.encode())).root))
-
     def as_json(self) -> dict[str, JsonValue]:
         """Return the decisions for programs."""
         inputs: list[JsonValue] = []
@@ -186,7 +156,7 @@ class DraftResult(ConfigChange):
 
 
 def connect(
-    model: Path, name: str | None, config: Path | None, surroundings: Surroundings
+    path: Path, name: str | None, config: Path | None, surroundings: Surroundings
 ) -> DraftResult:
     """Draft the configuration of a model, or add to one what it does not say yet.
 
@@ -195,152 +165,125 @@ def connect(
     Raises:
         EddiError: something cannot be read, or the configuration cannot be changed.
     """
-    return _Connecting(model, name, config, surroundings).result()
+    defaults, ages_of = surroundings.default_guarantees, surroundings.ages
+    models = checked_models(path, defaults).models
+    file = config or Path("eddi_config.yml")
+    document = read_config_text(file) if config else ConfigText(str(file), "", is_new=True)
+    original = document
+    root, problems = document.root, list[Problem]()
+    model = _chosen_model(models, name, root)
+    _refuse_other(document, model, models)
+    package = package_name(model_id(root) or model.name)
+    types = {**surroundings.types, **known_messages()}
+    robot = robot_of(surroundings.system, surroundings.models)
+    if robot is not None:
+        types |= robot.message_types()
+    if robot is not None and robot.path is not None:  # its topics, as parse-rossystem has them
+        parsed = parse(robot, document, writes=lambda topic: is_ros_name(topic.topic))
+        document = read_block(Source(document.name, parsed.after.encode()))
+        problems = robot.located(parsed.problems)
+    entries = [(item, text_of(item, "id")) for item in items_of(root.get("EDDIInputs"))]
+    ids = [id_ for _, id_ in entries if id_ is not None]
+    section = root.get("Model")
+    values = value_11(section) if isinstance(section, Map) else {}
+    declared_inputs = tuple(DeclaredInput(id_, None, None, None, model.place) for id_ in ids)
+    drafted = model.draft(Options(values=values, inputs=declared_inputs))
+    topics = topics_of(document.root)
+    recorded = _recorded(surroundings.topics, topics, package)
+    topics += recorded
+    others: list[BoundMonitor] = []
+    if surroundings.configs:
+        configs, _ = read_configs(surroundings.configs)
+        others, faults = join(models, configs, lambda of: checked_models(of, defaults), defaults)
+        if has_errors(faults):
+            raise EddiError(*faults)
+    others = [monitor for monitor in others if monitor.package != package]
+    fulfilled, published = fulfilments(others, model, drafted.inputs, topics)
+    types |= _declared_types(root)
+    decisions = decide(_needs(model, drafted.inputs, root), topics, types.get, fulfilled)
+    named = {candidate.topic for decision in decisions for candidate in decision.candidates}
+    new = [topic for topic in (*recorded, *published) if topic in named]
+    document = read_block(Source(document.name, extended(document, new).encode()))
+    full_names = {topic.topic: full_topic(topic.topic, "", package) for topic in topics}
+    limits = {topic: ages_of[full] for topic, full in full_names.items() if full in ages_of}
+    start: dict[str, JsonValue] = {"id": model.name, "type": kinds()[model.kind].config_types[0]}
+    if path.resolve().is_relative_to(file.resolve().parent):
+        start["model"] = path.resolve().relative_to(file.resolve().parent).as_posix()
+    draft = Draft(
+        {**start, "frequency": 10},
+        drafted.options,
+        drafted.notes,
+        [entry(decision, limits) for decision in decisions],
+        {topic.id: age_line(topic, limits) for topic in topics},
+    )
+    after = with_draft(document, draft)
+    kept = frozenset(id_ or "" for item, id_ in entries if not any(undecided(item)))
+    todo = len(list(undecided(read_block(Source(document.name, after.encode())).root)))
+    return DraftResult(original, after, decisions, kept, in_order(problems), todo)
 
 
-class _Connecting:
-    """The model that is chosen, and the configuration as it is."""
+def _chosen_model(models: Sequence[Model], name: str | None, root: Map) -> Model:
+    """Return the model: by its name, else that of the configuration, else the only one."""
+    id_ = model_id(root)
+    if name is not None:
+        models = select_models(models, name)
+    elif id_ is not None:
+        same = [model for model in models if package_name(model.name) == package_name(id_)]
+        models = same or models
+    if len(models) > 1:
+        names = ", ".join(model.name for model in models)
+        raise EddiError(problem("G005.several", names=names))
+    return models[0]
 
-    def __init__(
-        self, path: Path, name: str | None, config: Path | None, surroundings: Surroundings
-    ) -> None:
-        self.models = checked_models(path, surroundings.default_guarantees).models
-        self.path, self.surroundings = path, surroundings
-        self.config = config or Path("eddi_config.yml")
-        self.document, self.before = read_config_text(config, self.config)
-        self.root = self.document.root
-        items = items_of(self.root.get("EDDIInputs"))
-        self.entries = [(item, text_of(item, "id")) for item in items]
-        self.model = self._chosen_model(name)
-        self._refuse_other()
-        self.kind = kinds()[self.model.kind]
-        self.package = package_name(model_id(self.root) or self.model.name)
 
-    def _chosen_model(self, name: str | None) -> Model:
-        """Return the model: by its name, else that of the configuration, else the only one."""
-        models: Sequence[Model] = self.models
-        id_ = model_id(self.root)
-        if name is not None:
-            models = select_models(models, name)
-        elif id_ is not None:
-            same = [model for model in models if package_name(model.name) == package_name(id_)]
-            models = same or models
-        if len(models) > 1:
-            names = ", ".join(model.name for model in models)
-            raise EddiError(problem("G005.several", names=names))
-        return models[0]
+def _refuse_other(document: ConfigText, model: Model, models: Sequence[Model]) -> None:
+    """Refuse a file to which the draft of a model must not be added."""
+    root = document.root
+    if root.entries and not is_config(Source(document.name, document.text.encode())):
+        raise EddiError(problem("K001.nothing_added", root.place))
+    section = root.get("Model") or root
+    kind, type_, id_ = kinds()[model.kind], text_of(section, "type"), model_id(root)
+    known_types = {known.casefold() for known in kind.config_types}
+    if type_ not in (None, TODO) and str(type_).casefold() not in known_types:
+        raise EddiError(problem("K010.kind", section.place, kind=kind.title, declared=type_))
+    others = {package_name(other.name) for other in models} - {package_name(model.name)}
+    if id_ is not None and package_name(id_) in others:
+        raise EddiError(problem("K026.other_model", section.place, id=id_, requested=model.name))
 
-    def _refuse_other(self) -> None:
-        """Refuse a file to which the draft of a model must not be added."""
-        root, text = self.root, self.document.text
-        if root.entries and not is_config(Source(self.document.name, text.encode())):
-            raise EddiError(problem("K001.nothing_added", root.place))
-        section = root.get("Model") or root
-        kind, type_, id_ = kinds()[self.model.kind], text_of(section, "type"), model_id(root)
-        known_types = {known.casefold() for known in kind.config_types}
-        if type_ not in (None, TODO) and str(type_).casefold() not in known_types:
-            raise EddiError(problem("K010.kind", section.place, kind=kind.title, declared=type_))
-        others = {package_name(model.name) for model in self.models}
-        others.discard(package_name(self.model.name))
-        if id_ is not None and package_name(id_) in others:
-            fields = {"id": id_, "requested": self.model.name}
-            raise EddiError(problem("K026.other_model", section.place, **fields))
 
-    def result(self) -> DraftResult:
-        """Join everything."""
-        document, problems = self.document, list[Problem]()
-        types, ages_of = {**self.surroundings.types, **known_messages()}, self.surroundings.ages
-        robot = robot_of(self.surroundings.system, self.surroundings.models)
-        if robot is not None:
-            types |= robot.message_types()
-        if robot is not None and robot.path is not None:  # its topics, as parse-rossystem has them
-            parsed = with_topics(robot, document, writes=lambda topic: is_ros_name(topic.topic))
-            document = read_block(Source(document.name, parsed.after.encode()))
-            problems = robot.located(parsed.problems)
-        ids = [id_ for _, id_ in self.entries if id_ is not None]
-        declared_inputs = [DeclaredInput(id_, None, None, None, self.model.place) for id_ in ids]
-        section = self.root.get("Model")
-        values = value_11(section) if isinstance(section, Map) else {}
-        drafted = self.model.draft(Options(values=values, inputs=tuple(declared_inputs)))
-        topics = topics_of(document.root)
-        recorded = self._recorded(topics)
-        topics += recorded
-        others = other_monitors(self.models, self.surroundings, self.package)
-        fulfilled, published = fulfilments(others, self.model, drafted.inputs, topics)
-        types |= self._declared_types()
-        decisions = decide(self._needs(drafted.inputs), topics, types.get, fulfilled)
-        named = {candidate.topic for decision in decisions for candidate in decision.candidates}
-        new = [topic for topic in (*recorded, *published) if topic in named]
-        document = read_block(Source(document.name, extended(document, new).encode()))
-        full_names = {topic.topic: full_topic(topic.topic, "", self.package) for topic in topics}
-        limits = {topic: ages_of[full] for topic, full in full_names.items() if full in ages_of}
-        draft = Draft(
-            self._model_section(),
-            drafted.options,
-            drafted.notes,
-            [entry(decision, limits) for decision in decisions],
-            {topic.id: age_line(topic, limits) for topic in topics},
+def _recorded(
+    types: Mapping[str, str], known: Sequence[RobotTopic], package: str
+) -> list[RobotTopic]:
+    """Return the topics of a bag that are not known without it, each with an id of its own."""
+    there, taken = {full_topic(of.topic, "", package) for of in known}, {of.id for of in known}
+    recorded = []
+    for topic, message in sorted(types.items()):
+        if topic not in there:
+            recorded.append(RobotTopic(free_name(slug(topic), taken), message, topic))
+            taken.add(recorded[-1].id)
+    return recorded
+
+
+def _declared_types(root: Map) -> Mapping[str, Fields]:
+    """Return the message types that the configuration declares itself."""
+    types = root.get("MessageTypes")
+    return {
+        name.text: declared(
+            ((text_of(fields, key.text) or "", key.text) for key, _ in fields.entries),
+            name.text.partition("/")[0],
         )
-        after = with_draft(document, draft)
-        unknown = self._unknown_inputs([item.id for item in drafted.inputs])
-        problems = in_order([*problems, *with_excerpts(unknown, self.before or "")])
-        kept = frozenset(id_ or "" for item, id_ in self.entries if not any(undecided(item)))
-        todo = len(list(undecided(read_block(Source(document.name, after.encode())).root)))
-        return DraftResult(document.name, self.before, after, decisions, kept, problems, todo)
+        for name, fields in (types.entries if isinstance(types, Map) else ())
+        if isinstance(fields, Map)
+    }
 
-    def _recorded(self, known: Sequence[RobotTopic]) -> list[RobotTopic]:
-        """Return the topics of a bag that are not known without it, each with an id of its own."""
-        there = {full_topic(topic.topic, "", self.package) for topic in known}
-        taken = {topic.id for topic in known}
-        recorded = []
-        for topic, message in sorted(self.surroundings.topics.items()):
-            if topic not in there:
-                recorded.append(RobotTopic(free_name(slug(topic), taken), message, topic))
-                taken.add(recorded[-1].id)
-        return recorded
 
-    def _declared_types(self) -> Mapping[str, Fields]:
-        """Return the message types that the configuration declares itself."""
-        types = self.root.get("MessageTypes")
-        return {
-            name.text: declared(
-                ((text_of(fields, key.text) or "", key.text) for key, _ in fields.entries),
-                name.text.partition("/")[0],
-            )
-            for name, fields in (types.entries if isinstance(types, Map) else ())
-            if isinstance(fields, Map)
-        }
-
-    def _needs(self, inputs: Sequence[ModelInput]) -> list[InputNeed]:
-        """Return what the inputs need, with words that mean the same on this robot."""
-        section = self.root.get("connect")
-        groups = items_of(section.get("synonyms")) if isinstance(section, Map) else ()
-        texts = [[i.text for i in items_of(group) if isinstance(i, Scalar)] for group in groups]
-        synonyms = frozenset(frozenset(words(" ".join(group))) for group in texts)
-        links = self.model.links
-        return [
-            InputNeed(**vars(item), synonyms=synonyms, events=events_of(links, item.id))
-            for item in inputs
-        ]
-
-    def _model_section(self) -> dict[str, JsonValue]:
-        """Return ``Model:`` of a new configuration; the file is named where it lies beside it."""
-        type_ = self.kind.config_types[0]
-        section: dict[str, JsonValue] = {"id": self.model.name, "type": type_}
-        file, folder = self.path.resolve(), self.config.resolve().parent
-        if file.is_relative_to(folder):
-            section["model"] = file.relative_to(folder).as_posix()
-        return {**section, "frequency": 10}
-
-    def _unknown_inputs(self, ids: Sequence[str]) -> Iterator[Problem]:
-        """Warn of entries that the model has no input for (K013)."""
-        new = sorted({*ids} - {id_ for _, id_ in self.entries})
-        for item, id_ in self.entries:
-            if id_ is None or id_ in ids:
-                continue
-            similar = most_similar(id_, new)
-            hint = f"its inputs: {shortened_list(ids)}"
-            if similar is not None:
-                hint = f"where it is {similar!r} now, write `id: {similar}`"
-                hint += f" and `renamed_from: {id_}`"
-            yield problem("K013.entry_stays", item.place, hint=hint, input=id_)
+def _needs(model: Model, inputs: Sequence[ModelInput], root: Map) -> list[InputNeed]:
+    """Return what the inputs need, with words that mean the same on this robot."""
+    section = root.get("connect")
+    groups = items_of(section.get("synonyms")) if isinstance(section, Map) else ()
+    texts = [" ".join(scalar.text for scalar in scalars_of(group)) for group in groups]
+    synonyms = frozenset(frozenset(words(text)) for text in texts)
+    return [
+        InputNeed(**vars(item), synonyms=synonyms, events=events_of(model.links, item.id))
+        for item in inputs
+    ]

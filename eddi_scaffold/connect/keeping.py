@@ -131,7 +131,7 @@ class _Editor(TextEditor):
             for key, (_, value) in pairs.items()
             if key in (*_SOURCES, "unit")
         }
-        is_taken = bool(written) and _one_spelling(written) == _one_spelling(draft.taken)
+        is_taken = bool(written) and written == draft.taken
         is_ours = is_free or is_taken
         has_reasons = is_ours or any(key in open_keys for key in sources)
         why, is_new = draft.why if has_reasons else (), bool(open_keys or not sources)
@@ -190,16 +190,6 @@ class _Editor(TextEditor):
         if value.is_map and value.children:
             return all(self._is_open(inner) for _, inner in value.entries())
         return self.text[value.start : value.end] == TODO
-
-
-def _one_spelling(source: Mapping[str, str]) -> Mapping[str, str]:
-    """Return where a value comes from as ``from:`` says it."""
-    match source:
-        case {"expression": text, **others}:
-            return {"from": text, **others}
-        case {"requires": topic, "field": path, **others}:
-            return {"from": f"{topic}.{path}", **others}
-    return source
 
 
 def _refuse_loss(document: ConfigText, after: str) -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -15,57 +14,48 @@ from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import (
     EddiError,
     Problem,
-    did_you_mean,
     has_errors,
     in_order,
     problem,
-    shortened_list,
     with_excerpts,
 )
 from eddi_scaffold.config.topic_block import (
     ConfigText,
-    DroppedTopic,
-    OldEntry,
     read_block,
     rewritten,
 )
 from eddi_scaffold.connect.robot import Robot
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.mros.resolving import flattened
 from eddi_scaffold.mros.topics import Outputs, Topic, simulator_outputs
 
 
-def read_config_text(path: Path | None, name: Path) -> tuple[ConfigText, str | None]:
-    """Return a configuration and its text, ``None`` as the text where there is no file."""
-    if path is None or not (path.exists() or path.is_symlink()):
-        return ConfigText(str(name), ""), None
-    document = read_block(read_source(path))
-    return document, document.text
+def read_config_text(path: Path) -> ConfigText:
+    """Return a configuration, which need not exist."""
+    is_there = path.exists() or path.is_symlink()
+    return read_block(read_source(path)) if is_there else ConfigText(str(path), "", is_new=True)
 
 
 @dataclass(frozen=True)
 class ConfigChange:
     """What a configuration becomes."""
 
-    name: str  # of the file
-    before: str | None  # its text, `None` when there is no file
+    document: ConfigText  # before
     after: str  # its new text; the old one where there are errors and nothing resolved
 
     @property
     def is_changed(self) -> bool:
         """Whether there is something to write."""
-        return self.after != (self.before or "")
+        return self.after != self.document.text
 
     def diff(self) -> str:
         """Return the change as a unified diff."""
-        old, new = (t.splitlines(keepends=True) for t in (self.before or "", self.after))
-        former = self.name if self.before is not None else os.devnull
-        lines = difflib.unified_diff([*old], [*new], former, self.name)
+        old, new = (t.splitlines(keepends=True) for t in (self.document.text, self.after))
+        former = os.devnull if self.document.is_new else self.document.name
+        lines = difflib.unified_diff([*old], [*new], former, self.document.name)
         return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)
 
 
 _INFRASTRUCTURE = ("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs")
-_ONLY, _COMPONENT, _NO_INFRASTRUCTURE = "--only", "--component", "--exclude-infrastructure"
 
 
 @dataclass(frozen=True)
@@ -77,52 +67,20 @@ class Filters:
     # leave out types of `dynamic_reconfigure`, `rcl_interfaces`, `bond` and `lifecycle_msgs`
     no_infrastructure: bool = False
 
-    def keeps(self, name: str) -> bool:
+    def keeps_name(self, name: str) -> bool:
         """Return whether a topic of this name is kept."""
-        return not self.topics or _matches([name], *self.topics)
+        return not self.topics or _matches([name], self.topics)
 
-    def leaves_out(self, topic: Topic) -> str | None:
-        """Return the option that keeps a topic out; ``None`` when it is kept."""
+    def keeps(self, topic: Topic) -> bool:
+        """Return whether a topic is kept."""
         if self.no_infrastructure and topic.type.partition("/")[0] in _INFRASTRUCTURE:
-            return _NO_INFRASTRUCTURE
-        if not self.keeps(topic.topic):
-            return _ONLY
-        is_kept = not self.components or _matches(topic.components, *self.components)
-        return None if is_kept else _COMPONENT
-
-    def check(self, robot: Robot, outputs: Outputs, topics: Collection[str]) -> None:
-        """Refuse filters that match nothing, with what did not resolve: it may be the cause.
-
-        Raises:
-            EddiError: a glob matches nothing, or together they leave nothing.
-        """
-        systems, _ = flattened(robot.system, robot.models.systems)
-        components = {component.name for part in systems for component in part.components}
-        wrong = [
-            *_unmatched(_ONLY, self.topics, "topic", topics),
-            *_unmatched(_COMPONENT, self.components, "component", components),
-        ]
-        some = self.topics or self.components
-        if some and not wrong and outputs.is_complete and not outputs.topics:
-            wrong = [problem("M022.no_topic")]
-        if wrong:
-            problems = in_order([*robot.problems, *outputs.problems])
-            raise EddiError(*robot.located(p for p in problems if p.level == "error"), *wrong)
+            return False
+        is_provided = not self.components or _matches(topic.components, self.components)
+        return is_provided and self.keeps_name(topic.topic)
 
 
-def _matches(names: Iterable[str], *globs: str) -> bool:
+def _matches(names: Iterable[str], globs: Sequence[str]) -> bool:
     return any(fnmatchcase(name, glob) for name in names for glob in globs)
-
-
-def _unmatched(
-    option: str, globs: Collection[str], kind: str, names: Collection[str]
-) -> Iterator[Problem]:
-    """Yield an error for each glob that matches none of the names that there are."""
-    there = f"there are: {shortened_list(sorted(names))}" if names else None
-    for glob in globs:
-        if not _matches(names, glob):
-            hint = did_you_mean(re.sub(r"[*?\[\]]", "", glob), names) or there
-            yield problem("M022.no_match", hint=hint, kind=kind, option=option, pattern=glob)
 
 
 @dataclass(frozen=True)
@@ -179,63 +137,34 @@ class Parsed(ConfigChange):
 
 def parse(
     robot: Robot,
-    config: Path,
-    *,
-    include: Collection[str] = (),
-    filters: Filters | None = None,
-    names: Literal["label", "model"] = "label",
-) -> Parsed:
-    """Join a system with its models, and write its topics into the text of a configuration.
-
-    Raises:
-        EddiError: the configuration is there and cannot be changed, or the filters leave nothing.
-    """
-    document, before = read_config_text(config, config)
-    parsed = with_topics(robot, document, include=include, filters=filters, names=names)
-    return replace(parsed, before=before)
-
-
-def with_topics(
-    robot: Robot,
     document: ConfigText,
     *,
     include: Collection[str] = (),
-    filters: Filters | None = None,
+    filters: Filters = Filters(),
     names: Literal["label", "model"] = "label",
     writes: Callable[[Topic], bool] = lambda _: True,
 ) -> Parsed:
-    """Do the same with a text, for the topics that are to be written."""
-    filters = filters or Filters()
+    """Join a system with its models, and write those topics into a configuration that are to be.
+
+    Raises:
+        EddiError: the configuration cannot be changed, or the filters leave nothing.
+    """
     every = simulator_outputs(
         robot.system, robot.models, include=include, existing=document.old, names=names
     )
-    left_out = {topic.topic: filters.leaves_out(topic) for topic in every.topics}
-    topics = tuple(topic for topic in every.topics if left_out[topic.topic] is None)
-    outputs = replace(every, topics=topics)
+    outputs = replace(every, topics=tuple(filter(filters.keeps, every.topics)))
     problems = [*robot.problems, *outputs.problems]
-    filters.check(
-        robot,
-        outputs,
-        {*left_out, *(old.topic for old in document.old if not outputs.is_complete)},
-    )
-
-    def absence(old: OldEntry) -> DroppedTopic:
-        """Explain why an entry is not rewritten; what may be there all the same stays."""
-        option = left_out.get(old.topic)
-        if not outputs.is_complete and not filters.keeps(old.topic):
-            option = _ONLY
-        if option is not None:
-            return DroppedTopic(f"is left out by {option}")
-        if not outputs.is_complete:
-            return DroppedTopic("did not resolve this time, or is gone", stays=True)
-        return DroppedTopic()
-
+    resolved = {topic.topic for topic in every.topics}
+    lost = set() if outputs.is_complete else {old.topic for old in document.old} - resolved
+    if filters != Filters() and not (outputs.topics or has_errors(problems)):
+        raise EddiError(problem("M022"))
     after, notes = document.text, list[Problem]()
-    if topics or not has_errors(problems):
-        after, notes = rewritten(document, [*filter(writes, topics)], absence)
+    if outputs.topics or not has_errors(problems):
+        written = [*filter(writes, outputs.topics)]
+        after, notes = rewritten(document, written, {*filter(filters.keeps_name, lost)})
     problems += notes
     # the configuration is quoted as it was read: what is printed comes after it is rewritten
     own = [reported for reported in problems if reported.place.file == document.name]
     others = [reported for reported in problems if reported.place.file != document.name]
     problems = in_order([*others, *with_excerpts(own, document.text)])
-    return Parsed(document.name, document.text, after, robot, outputs, tuple(problems))
+    return Parsed(document, after, robot, outputs, tuple(problems))

@@ -62,11 +62,6 @@ class Scorer:
             matching = sum(need.fit(word, topic.words) >= MEANS_THE_SAME for topic in topics)
             self._weights[word] = 0.3 + math.log((count + 1) / (matching + 1)) / math.log(count + 1)
 
-    def likeness(self, topic: RobotTopic) -> float:
-        """Return how far the name of a topic is that of the input."""
-        need = self.need
-        return sum(self._weights[word] * need.fit(word, topic.words) for word in need.words)
-
     def unsaid(self, topic: RobotTopic, leaf: TopicField) -> list[str]:
         """Return the words of an input without which a value may be something else.
 

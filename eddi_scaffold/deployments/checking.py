@@ -7,7 +7,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem, shortened_list
+from eddi_scaffold.common.problems import (
+    EddiError,
+    Place,
+    Problem,
+    has_errors,
+    problem,
+    shortened_list,
+)
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.deployments.fleet_checks import check_fleet
@@ -24,14 +31,10 @@ from eddi_scaffold.monitors.input_binding import UnwrittenInput
 from eddi_scaffold.monitors.loading import (
     checked_models,
     is_config,
-    no_model,
     read_models,
-    without_model,
 )
-from eddi_scaffold.monitors.spellings import older_spellings
 from eddi_scaffold.monitors.topic_types import check_types
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
-from eddi_scaffold.yaml_text.nodes import read_maps
 
 _OF_WHAT_LACKS = ("D006", "G001", "X037")
 """What is reported of something that no file has: it may be in one that could not be read."""
@@ -103,7 +106,6 @@ class _Check:
         if is_config(source):
             configs, reported = read_file(source, self.robot)
             self.configs += configs
-            reported += older_spellings(read_maps(source, "K001")[0])
             self.is_complete &= not has_errors(reported)
         else:
             reading = read_models(source, self.marks)
@@ -111,7 +113,7 @@ class _Check:
             self.analyses += [reading.hazards] if reading.hazards is not None else []
             is_empty = not reading.models and reading.hazards is None
             if is_xml(source) and is_empty and not has_errors(reported):
-                reported.append(self._requested(no_model(source)))
+                reported.append(self._requested(problem("F004.no_model", Place(source.name))))
             self.models += reading.models
             self.is_complete &= not is_empty
         self.problems += reported
@@ -127,7 +129,7 @@ class _Check:
         self.configs = [config for config in self.configs if config not in alone]
         for config in alone if not has_errors(self.problems) else ():  # it may be their model's
             used = {name for entry in config.config.EDDIInputs for name in entry.requires}
-            missing = self._requested(without_model(config))
+            missing = self._requested(problem("G015.unnamed", config.place("Model")))
             self.problems += [missing, *check_types(config, used)]
 
     def _requested(self, missing: Problem) -> Problem:

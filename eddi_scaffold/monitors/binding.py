@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 
 from eddi_scaffold.common.claims import Acceptance
 from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
@@ -18,7 +17,6 @@ from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry, OutputEntry
 from eddi_scaffold.kinds import (
     DeclaredInput,
     EditableMethod,
-    InputType,
     Kind,
     Model,
     Options,
@@ -48,7 +46,7 @@ def options_of(file: ConfigFile | None) -> Options:
     inputs = tuple(
         DeclaredInput(
             id=entry.id,
-            type=cast("InputType | None", entry.type),
+            type=entry.type,
             unit=entry.unit,
             default=entry.default,
             place=file.place("EDDIInputs", index),
@@ -136,10 +134,7 @@ def monitor_of(
             fields = {"kind": kind.title, "declared": section.type}
             problems.append(problem("K010.kind", config.place("Model", "type"), **fields))
         if package_name(section.id) != package_name(model.name):
-            problems.append(problem("K012.package", place, id=section.id, model=model.name))
-        elif section.id != model.name:
-            fields = {"id": section.id, "original": model.name, "source": model.source.name}
-            problems.append(problem("K012.spelling", place, **fields))
+            problems.append(problem("K012", place, id=section.id, model=model.name))
         place, entries = config.place("Model"), config.config.EDDIInputs
         frequency, package = section.frequency, package_name(section.id)
     first: dict[str, str] = {}

@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from eddi_scaffold.common.files import Source, read_source, similar_file
+from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -30,7 +30,7 @@ from eddi_scaffold.config.file import (
     MODEL_KEYS,
     ConfigFile,
     Places,
-    about_file,
+    existing_file,
     plain_values,
     undecided,
     violations,
@@ -172,18 +172,9 @@ def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
         name = entry.expression_file
         if name is None or name in texts:
             continue
+        place = file.place("EDDIInputs", index, "expression_file")
         try:
-            source = file.read(name)
-        except EddiError as failure:
-            (problem,) = failure.problems
-            place = file.place("EDDIInputs", index, "expression_file")
-            hint = problem.hint
-            if problem.code != "F009":
-                hint = similar_file(Path(file.path(name)), name, Path(file.name).name)
-            problems.append(about_file(replace(problem, hint=hint), name, place))
-            continue
-        try:
-            texts[name] = source.text("E001")
+            texts[name] = read_source(existing_file(file.name, name, place)).text("E001")
         except EddiError as failure:
             problems += failure.problems
     return texts, problems

@@ -23,8 +23,6 @@ from eddi_scaffold.monitors.message_types.documented import documented_at
 
 EXPRESSION_KEYS = ("expression", "expression_file", "states")
 """Keys of an input, one of which defines how it is computed."""
-KeyPaths = Mapping[str, Mapping[str, Sequence[field_paths.PlainStep]]]
-"""Simulator output -> name with keys in brackets -> its path."""
 _TYPES: Mapping[str | None, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
 _KEYED = (field_paths.ByKey, field_paths.ByName, field_paths.Every)
 _Where = Callable[[], Place]  # the place of a name, which is looked for only if it is reported
@@ -39,7 +37,6 @@ class CheckedExpression:
     document: dict[str, JsonValue]
     text: str  # canonical form, for comments; an event of a file has its name before it
     unit: str | None  # of its value, `None` for none
-    key_paths: KeyPaths  # simulator output -> name with keys in brackets -> its path
 
 
 class ExpressionBinder:
@@ -99,23 +96,18 @@ class ExpressionBinder:
                 break
         if has_errors(self.problems):
             return None
-        key_paths: dict[str, dict[str, list[field_paths.PlainStep]]] = {}
+        paths: dict[str, JsonValue] = {}
         for name in compiled.names:  # from those with keys the runtime cannot derive the path
             path = self.resolved[name].path if name in self.resolved else ()
             if any(isinstance(step, _KEYED) for step in path):
-                of_source = key_paths.setdefault(self.sources[head_of(name)].id, {})
-                of_source[name] = [field_paths.plain_step(step) for step in path]
-        more: dict[str, JsonValue] = {
-            "checks": {name: self.checks[name] for name in compiled.names if name in self.checks},
-            "paths": {
-                name: list(path) for paths in key_paths.values() for name, path in paths.items()
-            },
-        }
+                paths[name] = [field_paths.plain_step(step) for step in path]
+        checks = {name: self.checks[name] for name in compiled.names if name in self.checks}
         names: JsonValue = {  # first part of a name -> message or input, and its id
             name: ["message", self.sources[name].id] if name in self.sources else ["input", name]
             for name in compiled.requires
         }
-        document = {**compiled.document, "names": names} | {k: v for k, v in more.items() if v}
+        document = {**compiled.document, "names": names}
+        document |= {k: v for k, v in {"checks": checks, "paths": paths}.items() if v}
         text = "; ".join(compiled.canonical)
         if self.entry.expression_file is not None:
             text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
@@ -126,7 +118,7 @@ class ExpressionBinder:
         sources = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
         listed = [sources[name] for name in self.entry.requires if name in sources]
         requires = tuple(dict.fromkeys([*listed, *used]))
-        return CheckedExpression(requires, document, text, compiled.unit, key_paths)
+        return CheckedExpression(requires, document, text, compiled.unit)
 
     def _texts(self) -> list[ExpressionText]:
         entry = self.entry
@@ -158,15 +150,13 @@ class ExpressionBinder:
         if has_errors(findings.problems):
             self.problems += findings.problems
             return []
-        only = next(iter(events)) if len(events) == 1 else None
-        event = self.entry.event or only
+        event = self.entry.event or (next(iter(events)) if len(events) == 1 else None)
         if event is None or event not in events:
-            there = ", ".join(events) or "none"
-            hint = did_you_mean(event or "", events) or f"events: {there}"
-            if event is None:
-                self._report("K020.no_event", "expression_file", hint=hint, file=name)
-            else:
-                self._report("K020.unknown_event", "event", hint=hint, file=name, event=event)
+            hint, key = (
+                f"events: {', '.join(events) or 'none'}",
+                "event" if event else "expression_file",
+            )
+            self._report("K020.no_event", key, hint=hint, file=name)
             return []
         polarity, own = events[event].polarity, self.entry.polarity
         if polarity is not None:
@@ -232,12 +222,7 @@ class ExpressionBinder:
         timeout = round(ages[0] * 1e9) if ages and not isinstance(ages[0], str) else None
         of = "float" if resolved.type in ("time", "duration") else resolved.type
         if of is not None and of not in _TYPES:
-            hint = f"its elements: MIN({name}[*])"
-            if not of.endswith("]"):  # a message
-                known_fields = ", ".join(f"{name}.{field}" for field in self.fields_of(of) or ())
-                hint = f"there are: {known_fields}" if known_fields else ""
-            fault = problem("K020.no_number", where(), hint=hint or None, name=name, type=of)
-            self.problems.append(fault)
+            self.problems.append(problem("K020.no_number", where(), name=name, type=of))
             return None
         advice = f"declare the fields of {source.type} below MessageTypes"
         is_known = of is not None
@@ -272,11 +257,8 @@ class ExpressionBinder:
         if head == name and head in self.below:
             self.problems.append(problem("E008.below", where(), input=head))
             return None
-        sources = self.sources.items()
-        fields = [f"{id_}.{name}" for id_, of in sources if head in (self.fields_of(of.type) or {})]
         names = [*self.sources, *self.inputs]
-        hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
-        hint = hint or f"there are: {', '.join(names) or 'none'}"
+        hint = did_you_mean(head, names) or f"there are: {', '.join(names) or 'none'}"
         self.problems.append(problem("E008.no_source", where(), hint=hint, source=head))
         return None
 

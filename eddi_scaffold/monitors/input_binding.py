@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from eddi_scaffold.common import units
-from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
+from eddi_scaffold.common.identifiers import attribute, full_topic
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config import field_paths
-from eddi_scaffold.config.field_types import (
-    Fields,
-    MessageFields,
-    element,
-    is_primitive,
-    python_type,
-)
+from eddi_scaffold.config.field_types import Fields, MessageFields, python_type
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, ModelInput
@@ -27,7 +21,6 @@ from eddi_scaffold.monitors.expressions import (
     EXPRESSION_KEYS,
     CheckedExpression,
     ExpressionBinder,
-    KeyPaths,
     head_of,
     path_behind,
 )
@@ -85,8 +78,6 @@ class InputBinding:
     known_fields: Mapping[str, Sequence[str]] | None = None
     computed: Mapping[str, JsonValue] | None = None  # what `expression:` computes, for the runtime
     text: str = ""  # of it, or the field, for people
-    # simulator output -> name in `expression:` with keys in brackets -> its path
-    key_paths: KeyPaths = field(default_factory=dict)
     reads: tuple[str, ...] | None = None  # names of fields and inputs that it reads
     # claims of other monitors that it reads: a simulator output, and the id of the claim, empty for
     # that which the message names
@@ -128,7 +119,7 @@ class InputBinding:
         name = self.model.id
         source = SimulatorOutput.model_construct(id=name, type="", topic=topic, max_age=None)
         direct = replace(self, requires=(source,), arguments=(self.attribute,))
-        return replace(direct, expression=self.attribute, computed=None, key_paths={}, reads=None)
+        return replace(direct, expression=self.attribute, computed=None, reads=None)
 
 
 class InputBinder:
@@ -167,13 +158,15 @@ class InputBinder:
             self._report("K016.type", "type", input=entry.id, expected=item.type, actual=entry.type)
         factor = self._factor()
         self._check_default(factor)
+        # one that is to be computed and has no expression has an error
+        is_field = computed is None and not entry.is_computed
+        reads = names_read(computed.document) if computed is not None else None
         binding = InputBinding(
             item,
             item.attribute or attribute(item.id),
             self.requires,
             self.arguments,
-            # One that is computed and has none has an error.
-            None if computed is not None or entry.is_computed else self._expression(),
+            self._expression() if is_field else None,
             self._max_age(),
             entry.default,
             factor,
@@ -181,12 +174,11 @@ class InputBinder:
             entry.renamed_from,
             {name: tuple(fields) for name, fields in self.fields.items()},
             text=entry.field or "",
+            reads=reads,
+            claims=tuple(self._claims(reads)),
         )
-        reads = names_read(computed.document) if computed is not None else None
-        binding = replace(binding, claims=tuple(self._claims(reads)))
         if computed is not None:
             binding = replace(binding, computed=computed.document, text=computed.text)
-            binding = replace(binding, key_paths=computed.key_paths, reads=reads)
         return binding, self.problems
 
     def _claims(self, reads: Sequence[str] | None) -> Iterator[tuple[str, str]]:
@@ -280,12 +272,6 @@ class InputBinder:
             path = f"guarantees[{source.peers.guarantee}].active"
         if path is not None:
             return self._taken(argument, source.type, path)
-        if holds(source.type, self.item.type, self._fields_of) is False:
-            fields = {"input": self.item.id, "type": self.item.type, "message": source.type}
-            unfit = problem("K038.no_field", self._place("requires"), **fields)
-            regions = InputBinding(self.item, "", renamed_from=self.entry.renamed_from).regions
-            package = package_name(self.config.config.Model.id)
-            self.problems.append(UnwrittenInput(**vars(unfit), package=package, regions=regions))
         return self._only_field(argument)
 
     def _numbers(self) -> str | None:
@@ -335,7 +321,7 @@ class InputBinder:
         if resolved.type is not None and not fits(resolved.type, self.item.type):
             fields = {"field": self.entry.field, "message": message, "type": resolved.type}
             fields |= {"input": self.item.id, "expected": self.item.type}
-            self._report("K038.type", "field", **fields)
+            self._report("K038", "field", **fields)
         documented = documented_at(path, message, self._fields_of)
         if documented is not None:
             self._check_unit(documented.units, f"{self.entry.field} of {message}")
@@ -368,8 +354,7 @@ class InputBinder:
                 times = f"1 {unit} is {float(exact):g} {declared or 'of a ratio'}"
                 self._report("K022.unit", key, unit=unit, conversion=times, **fields)
                 return
-        reason, hint = units.apart(stated[0], declared), _shifted(stated[0], declared)
-        self._report("K022.apart", key, hint=hint, reason=reason, **fields)
+        self._report("K022.apart", key, reason=units.apart(stated[0], declared), **fields)
 
     def _factor(self) -> tuple[int, int] | None:
         configured, of_model = self.entry.unit, self.item.unit
@@ -381,9 +366,7 @@ class InputBinder:
         factor = (self.item.units or {}).get(configured)
         if factor is None:
             names = [unit or '""' for unit in self.item.units or {}]
-            hint = _shifted(configured, of_model) or SimilarNames(names, "units that can be").hint(
-                configured
-            )
+            hint = f"units that can be: {', '.join(names)}"
             expected = of_model or "a ratio"
             self._report("K022.conversion", "unit", hint=hint, actual=configured, expected=expected)
             return None
@@ -402,29 +385,6 @@ class InputBinder:
             value = value * factor[0] / factor[1]
         if item.is_good is not None and item.is_good(value) and not self.entry.allow_unsafe_default:
             self._report("K024", "default", default=self.entry.default, input=item.id)
-
-
-def _shifted(unit: str, expected: str | None) -> str | None:
-    """Return the hint at how a temperature gets from one scale to the other."""
-    sign = {("K", "degC"): "-", ("degC", "K"): "+"}.get((unit, expected or ""))
-    return f"write `from: value {sign} 273.15` instead" if sign else None
-
-
-def holds(message: str, expected: str, fields_of: Callable[[str], Fields | None]) -> bool | None:
-    """Return whether a message has a value for an input, ``None`` where that is not known."""
-    types, is_known = [message], True
-    for name in types:  # grows: a type is looked into once, however often it occurs
-        fields = fields_of(name)
-        is_known = is_known and fields is not None
-        for field_name, type_ in (fields or {}).items():
-            single = element(type_) or type_
-            if field_name == "header":
-                continue
-            if not is_primitive(single):
-                types += [single] if single not in types else []
-            elif fits(python_type(type_), expected) or fits(python_type(single), expected):
-                return True
-    return False if is_known else None
 
 
 def fits(type_: str, expected: str) -> bool:

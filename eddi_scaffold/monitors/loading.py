@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +15,6 @@ from eddi_scaffold.common.problems import (
     Problem,
     did_you_mean,
     has_errors,
-    most_similar,
     problem,
     shortened_list,
 )
@@ -30,19 +28,13 @@ from eddi_scaffold.eddi_xml.hazard_analysis import hazard_analysis
 from eddi_scaffold.eddi_xml.links import links_in, links_of
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.kinds import Kind, Model, Options, ReadResult, kinds
-from eddi_scaffold.monitors.config_reading import read_file
 from eddi_scaffold.monitors.spellings import kinds_of_type
 from eddi_scaffold.yaml_text.nodes import read_map
 
 YAML_SUFFIXES = (".yml", ".yaml")
 _HEAD = 4096
 _CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
-_YAML_KEYS = {
-    "a ConSert": ("guarantees", "demands", "evidence", "gates", "tree_propagations"),
-    "a configuration": ("Model", "SimulatorOutputs", "EDDIInputs", "EDDIOutputs"),
-    "a deployment file": ("Robots", "Bindings", "Station"),
-}
-"""Kind of file -> keys of its top level that tell it."""
+_CONSERT_KEYS = {"guarantees", "demands", "evidence", "gates", "tree_propagations"}
 _CONFIG_LINE = re.compile(rb"^(Model|SimulatorOutputs?|EDDIInputs)[ \t]*:", re.MULTILINE)
 
 
@@ -75,30 +67,18 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
     if is_xml(source):
         return _read_eddi(source, default_guarantees)
     if is_config(source):
-        hint = "name the EDDI XML or ConSert YAML that it belongs to"
-        with suppress(EddiError):  # told where the configuration is read
-            configs, _ = read_file(source)
-            named = named_model_path(configs[0]) if configs else None
-            hint = f"name its model: {named}" if named is not None else hint
-        return ReadResult((), (problem("F003.configuration", place, hint=hint),))
+        return ReadResult((), (problem("F003.configuration", place),))
     if is_fleet(source):
         return ReadResult((), (problem("F003.deployment", place),))
     if named_like_mros(source.name):
         return ReadResult((), (problem("F003.nodes", place),))
     if name.endswith(YAML_SUFFIXES):
         node, _ = read_map(source, "C001")
-        known = {key: of for of, keys in _YAML_KEYS.items() for key in keys}
-        consert = {key for key, of in known.items() if of == "a ConSert"}
-        keys = [key for key, _ in (node.entries if node else ())]
-        if keys and not any(key.text in consert for key in keys):  # of no kind
-            meant = [(key, most_similar(key.text, known.keys() - consert)) for key in keys]
-            key, similar = next((pair for pair in meant if pair[1]), meant[0])
-            if similar is not None:
-                fields = {"key": key.text, "near": similar, "known": known[similar]}
-                return ReadResult((), (problem("F003.no_section", key.place, **fields),))
-            hint = ", ".join(f"{of} has `{first}`" for of, (first, *_) in _YAML_KEYS.items())
-            names = shortened_list([key.text for key in keys])
-            return ReadResult((), (problem("F003.keys", key.place, hint=hint, keys=names),))
+        if (
+            node is not None and node.entries and _CONSERT_KEYS.isdisjoint(node.keys())
+        ):  # of no kind
+            key, names = node.entries[0][0], shortened_list(node.keys())
+            return ReadResult((), (problem("F003.keys", key.place, keys=names),))
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].model_class.read_file(source, default_guarantees)
     if name.endswith(".csv"):
@@ -152,13 +132,10 @@ def complete_reading(source: Source, reading: ReadResult) -> ReadResult:
     if has_errors(reading.problems):
         raise EddiError(*reading.problems)
     if not reading.models:
-        raise EddiError(no_model(source), *reading.problems, *reading.unread)
+        raise EddiError(
+            problem("F004.no_model", Place(source.name)), *reading.problems, *reading.unread
+        )
     return reading
-
-
-def no_model(source: Source) -> Problem:
-    """Return F004: the file is sound, but of no use for a monitor."""
-    return problem("F004.no_model", Place(source.name))
 
 
 def unfit(models: Sequence[Model]) -> list[Problem]:
@@ -215,12 +192,8 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
         chosen = fitting  # the id of the only configuration names the package
     if chosen:
         return chosen[0]
-    hint = f"there are: {', '.join(model.name for model in fitting) or 'none'}"
-    place = config.place("Model", "id")
-    if models and not fitting:
-        names = [f"the {kinds()[model.kind].config_types[0]} {model.name!r}" for model in models]
-        file, place = models[0].source.file_name, config.place("Model", "type")
-        hint = f"{file} holds {shortened_list(names)}: is `type` right?"
+    names = [f"{kinds()[model.kind].config_types[0]} {model.name!r}" for model in models]
+    hint, place = f"there are: {shortened_list(names)}", config.place("Model", "id")
     raise EddiError(problem("K026.no_model", place, hint=hint, kind=section.type, id=section.id))
 
 
@@ -235,10 +208,5 @@ def candidates(
     if path is not None:
         return read(path)
     if not models:
-        raise EddiError(without_model(config))
+        raise EddiError(problem("G015.unnamed", config.place("Model")))
     return ReadResult(tuple(models), ())
-
-
-def without_model(config: ConfigFile) -> Problem:
-    """Return G015: no model is given, and the configuration names none."""
-    return problem("G015.unnamed", config.place("Model"))

@@ -62,12 +62,6 @@ class MonitorNode:
         first = {entry.id: entry for entry in reversed(entries)}
         return [first[name] for name in dict.fromkeys(e.id for e in entries) if name in used]
 
-    @property
-    def status(self) -> str | None:
-        """Return the type of the facts behind the result."""
-        name = self.monitor.model.companion_messages().get(STATUS)
-        return f"{MESSAGE_PACKAGE}/{name}" if name else None
-
     def answers(
         self, class_of: Callable[[str], str], *, has_qos: bool = False
     ) -> dict[str, JsonValue]:
@@ -106,7 +100,7 @@ class MonitorNode:
         self, publication: Publication, class_of: Callable[[str], str], has_qos: bool
     ) -> dict[str, JsonValue]:
         output, is_result = publication.output, not (publication.path or publication.of)
-        status = self.status if is_result else None
+        status = self.monitor.model.companion_messages().get(STATUS) if is_result else None
         return {
             "id": python_literal(output.id),
             "title": markdown_code(output.id),
@@ -115,7 +109,7 @@ class MonitorNode:
             "type_text": publication.type,
             "message_class": class_of(publication.type),
             "status_topic": python_literal(f"{output.topic}/{STATUS}" if status else None),
-            "status_class": class_of(status) if status else "None",
+            "status_class": class_of(f"{MESSAGE_PACKAGE}/{status}") if status else "None",
             "more": _more(publication)
             + (_qos(output.qos, "\n            ", ",") if has_qos else ""),
         }

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
+from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, OutputEntry, SimulatorOutput
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, head_of
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.monitors.message_types import known_messages
 
@@ -42,12 +44,6 @@ def publications(
     parts = list(monitor.model.separate_outputs())
     for index, output in enumerate(config.config.EDDIOutputs):
         places = partial(config.place, "EDDIOutputs", index)
-        deadline, rate = output.qos.deadline, config.config.Model.frequency
-        if deadline is not None and deadline * rate < 1:
-            place, period = places("qos", "deadline"), 1 / rate
-            problems.append(
-                problem("K029.deadline", place, deadline=deadline, rate=rate, period=period)
-            )
         if output.event is not None and output.event not in parts:
             hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
             problems.append(problem("K020.event", places("event"), hint=hint, event=output.event))
@@ -175,5 +171,7 @@ def _paths(
         except field_paths.FieldPathError:  # no path, which is reported elsewhere
             return
     key = next((key for key in EXPRESSION_KEYS if getattr(item, key) is not None), "id")
-    for name, path in binding.key_paths.get(source.id, {}).items():
-        yield key, name, path
+    computed: Mapping[str, Any] = binding.computed or {}
+    paths = computed.get("paths", {})
+    for name in (name for name in paths if head_of(name) == attribute(source.id)):
+        yield key, name, paths[name]

@@ -8,14 +8,14 @@ node keeps the place where it is written.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.identifiers import package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.file import MODEL_KEYS, undecided
 from eddi_scaffold.config.schema import MONITOR_AGE
 from eddi_scaffold.kinds import Kind, kinds
@@ -41,9 +41,6 @@ _COMMON = ("SimulatorOutputs", "MessageTypes", "Package")
 PATH = re.compile(r"(?P<head>[A-Za-z_]\w*)(?P<rest>(?:\.[A-Za-z_]\w*|\[[^\[\]]*\])*)")
 _CLAIM = re.compile(r'"[^"]*"|(?<![\w.])(?P<monitor>[A-Za-z_]\w*)\.(?P<claim>[A-Za-z_]\w*)')
 _BLANK = re.compile(r'("[^"]*")|(?<=[0-9]) +(?=(?:ms|s|min|h)\b)')  # before the unit of a duration
-_OLDER = {
-    "parameters": "model", "evidence": "thresholds", "field": "from", "expression": "from"
-}  # fmt: skip
 _INSTEAD = ("requires", "field", "expression", "expression_file", "states")
 
 
@@ -135,7 +132,7 @@ def _renamed(document: Map, problems: list[Problem]) -> Map:
         name = _ALIASES.get(key.text, key.text)
         entries.append((replace(key, text=name), node))
         if name != key.text:
-            problems.append(problem("K002.section", key.place, key=key.text, name=name))
+            problems.append(problem("K002", key.place, key=key.text, name=name))
     return replace(document, entries=tuple(entries))
 
 
@@ -150,30 +147,6 @@ def _with_common(common: Map, document: Map) -> Map:
         used = [item for item in items_of(value) if text_of(item, "id") in words]
         entries.append((key, Items(tuple(used), value.place) if key.text == _COMMON[0] else value))
     return joined(Map(tuple(entries), document.place), document)
-
-
-def older_spellings(documents: Sequence[Map]) -> Iterator[Problem]:
-    """Report the first older spelling in a file, as an info, and how many others there are."""
-    keys = [
-        (key.place, key.text, _OLDER[key.text])
-        for document in documents
-        for entry in [document.get("Model"), *items_of(document.get("EDDIInputs"))]
-        for key, value in (entry.entries if isinstance(entry, Map) else ())
-        if key.text in _OLDER
-        # of a state machine it is no threshold
-        if key.text != "evidence" or any(text_of(item, "node") for item in items_of(value))
-    ]
-    types = [
-        (value.place, type_, re.sub(r"\.|/msg/", "/", type_))
-        for document in documents
-        for output in items_of(document.get("SimulatorOutputs"))
-        if isinstance(output, Map) and (value := output.get("type")) is not None
-        if (type_ := as_text(value)) is not None
-    ]
-    older = [*keys, *((place, old, new) for place, old, new in types if old != new)]
-    for place, key, name in older[:1]:
-        more = f", one of {len(older)} in this file" if len(older) > 1 else ""
-        yield problem("K002.older", place, key=key, name=name, more=more)
 
 
 class _Robot:
@@ -289,7 +262,7 @@ class _Robot:
         elif keys and isinstance(model, Map) and not any(items_of(model.get(key)) for key in keys):
             hint = f"write it below `Model: {keys[0]}:` of {monitor}"
         elif parts and claim not in parts:
-            hint = did_you_mean(claim, parts) or f"there are: {', '.join(parts)}"
+            hint = f"there are: {', '.join(parts)}"
         elif topic is None:
             hint = "it has no topic in `EDDIOutputs`"
         if hint is not None or topic is None:
@@ -341,13 +314,9 @@ def _threshold(entry: Node) -> Node:
     of = text_of(entry, "of")
     if of is None or not isinstance(entry, Map):
         return entry
+    node, equals, state = map(str.strip, of.partition("="))
     entries: list[tuple[Scalar, Node]] = []
     for key, value in entry.entries:
-        if key.text == "of":
-            parts = map(str.strip, of.split("=", 1))  # strict: of a text without `=` no state
-            entries += _texts(
-                value.place, dict(zip(("node", "state"), parts, strict=False))
-            ).entries
-        else:
-            entries.append((key, value))
+        parts = {"node": node, "state": state} if equals else {"node": node}
+        entries += _texts(value.place, parts).entries if key.text == "of" else [(key, value)]
     return replace(entry, entries=tuple(entries))

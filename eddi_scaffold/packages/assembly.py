@@ -167,7 +167,7 @@ def assemble(
     if has_errors(reported):
         raise EddiError(*reported)
     folders = [package.folder for package in packages]
-    sharing = platform.templates.monitor if platform.templates.support else None
+    sharing = platform.templates[0] if platform.templates[1:] else None
     companions = {name: of for name, of in present.items() if of["template"] == sharing}
     renamed = [answers for name, answers in before.items() if name in gone]
     packages = [
@@ -239,7 +239,7 @@ def support(
     Raises:
         EddiError: a monitor of another platform has these packages (G027).
     """
-    own = platform.templates.monitor
+    own = platform.templates[0]
     there = {name: of for name, of in present.items() if of["template"] == own and name not in gone}
     shared = platform.support({**there, **monitors})
     for folder in (package.folder for package in shared if package.folder in present):
@@ -251,7 +251,7 @@ def support(
     leaving = [
         PackageAnswers(folder, {})
         for folder, answers in present.items()
-        if answers["template"] in platform.templates.support and folder not in needed
+        if answers["template"] in platform.templates[1:] and folder not in needed
     ]
     return [*shared, *leaving]
 

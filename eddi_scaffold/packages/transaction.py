@@ -11,6 +11,7 @@ from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.common.files import refuse_input, saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.config.topic_block import ConfigText
 from eddi_scaffold.regions.package import Step, kind_of, put_aside
 
 
@@ -68,16 +69,16 @@ def _refuse_obstacle(root: Path, path: str) -> None:
         raise OSError(errno.EEXIST, f"{kind_of(target.resolve())} is in its place", str(target))
 
 
-def rewrite(name: str, before: str | None, after: str) -> None:
-    """Replace a text file, ``None`` where there was none; its byte order mark and mode stay.
+def rewrite(document: ConfigText, after: str) -> None:
+    """Replace a configuration, or write one that is new; its byte order mark and mode stay.
 
     Raises:
         EddiError: it cannot be written (F002), or was saved meanwhile (F013); it stays as it is.
     """
-    target = Path(name).resolve()
+    target = Path(document.name).resolve()
     old = target.read_bytes() if target.exists() else None
-    if old is not None and before is None:
-        raise saved_meanwhile(Path(name))
+    if old is not None and document.is_new:
+        raise saved_meanwhile(Path(document.name))
     mark = codecs.BOM_UTF8 if old is not None and old.startswith(codecs.BOM_UTF8) else b""
-    former = {} if before is None else {target.name: mark + before.encode()}
+    former = {} if document.is_new else {target.name: mark + document.text.encode()}
     write(target.parent, {target.name: mark + after.encode()}, former)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from eddi_scaffold import __version__
@@ -114,11 +114,10 @@ def packages_root(platform: Platform, place: Path) -> Path:
     Raises:
         EddiError: this is not a workspace (G007), or the folder leads out of it (F009).
     """
-    expected = platform.workspace
-    if expected is not None:
-        where, sources = Place(str(place)), expected.sources
+    kind = platform.workspace
+    if kind is not None:
+        where, sources = Place(str(place)), PurePosixPath(platform.root).parts[0]
         if not place.is_dir():
-            kind = expected.title
             raise EddiError(problem("G007.missing", where, kind=kind, folder=place, source=sources))
         if place.resolve().name == sources and not (place / sources).exists():
             above = ".." if place == Path() else place.parent  # `.` has no parent

@@ -12,7 +12,7 @@ import pkgutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
 
@@ -63,27 +63,6 @@ def runtime_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> str:
 
 
 @dataclass(frozen=True)
-class Templates:
-    """The folders of ``copier_templates`` that belong to one platform."""
-
-    monitor: str  # of the package of one monitor
-    support: tuple[str, ...] = ()  # of the packages that all monitors share
-
-
-@dataclass(frozen=True)
-class Workspace:
-    """A folder that a build tool knows, with packages from several sources."""
-
-    title: str  # what people call it
-    root: str  # folder of all our packages in it, POSIX form; its first part is that of the sources
-
-    @property
-    def sources(self) -> str:
-        """Return the folder of all sources in it."""
-        return PurePosixPath(self.root).parts[0]
-
-
-@dataclass(frozen=True)
 class MeetingPlace:
     """A place where robots hear each other."""
 
@@ -131,7 +110,8 @@ class Platform:
     """The functions that make a platform."""
 
     name: str  # as in `--platform`, the name of its folder
-    templates: Templates  # what its packages are rendered from
+    # what its packages are rendered from: that of one monitor, then those that all monitors share
+    templates: tuple[str, ...]
     # answers of the package of one monitor, and problems
     monitor: Callable[[BoundMonitor], tuple[PackageAnswers, list[Problem]]]
     # folder of all packages, or `None` -> names that would break the platform -> why
@@ -141,16 +121,14 @@ class Platform:
     # answers of the packages that all monitors share; gets every monitor package of the workspace
     # with its answers
     support: Callable[[Mapping[str, Mapping[str, JsonValue]]], list[PackageAnswers]] = lambda _: []
-    # where its packages are built together; `None`: each goes to any folder
-    workspace: Workspace | None = None
+    # what people call the folder in which its packages are built together; `None`: each goes to any
+    # folder
+    workspace: str | None = None
+    # folder of all packages in it, POSIX form; its first part is that of the sources
+    root: str = ""
     needs_config: bool = True  # a monitor cannot be generated without a configuration
     # of the robots that it is for; `None` where they cannot hear each other
     meeting: Meeting | None = None
-
-    @property
-    def root(self) -> str:
-        """Return the folder of all packages, relative to the workspace or output folder."""
-        return self.workspace.root if self.workspace is not None else ""
 
 
 def names() -> tuple[str, ...]:
@@ -168,7 +146,7 @@ def platforms() -> Mapping[str, Platform]:
 def owner_of(template: str) -> Platform:
     """Return the platform that has a template; KeyError where none has."""
     for platform in platforms().values():
-        if template in (platform.templates.monitor, *platform.templates.support):
+        if template in platform.templates:
             return platform
     raise KeyError(template)
 

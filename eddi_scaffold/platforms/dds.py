@@ -21,10 +21,15 @@ from eddi_scaffold.platforms import (
     MeetingPlace,
     PackageAnswers,
     Platform,
-    Templates,
     pip_install,
 )
-from eddi_scaffold.platforms.ros_packages import GENERATED, distribution, runtime_packages, types_of
+from eddi_scaffold.platforms.ros_packages import (
+    GENERATED,
+    distribution,
+    long_name,
+    runtime_packages,
+    types_of,
+)
 
 _IDS = {
     "int8": 2, "uint8": 3, "char": 3, "int16": 4, "uint16": 5, "int32": 6, "uint32": 7, "int64": 8,
@@ -38,7 +43,7 @@ _Description = dict[str, object]
 
 def type_hash(name: str, known: MessageFields) -> str:
     """Return the hash of a message type."""
-    parts = sorted(_parts(name, known) - {name})
+    parts = sorted({*with_parts(name, known)} - {name})
     document = {
         "type_description": _described(name, known[name]),
         "referenced_type_descriptions": [_described(part, known[part]) for part in parts],
@@ -46,14 +51,9 @@ def type_hash(name: str, known: MessageFields) -> str:
     return f"RIHS01_{hashlib.sha256(json.dumps(document).encode()).hexdigest()}"
 
 
-def _parts(name: str, known: MessageFields) -> set[str]:
-    inner = {of.partition("[")[0] for of in known[name].values()} - _IDS.keys()
-    return {name}.union(*(_parts(part, known) for part in inner))
-
-
 def _described(name: str, fields: Fields) -> _Description:
     rows = [{"name": field, "type": _type(of)} for field, of in (fields or _EMPTY).items()]
-    return {"type_name": _full(name), "fields": rows}
+    return {"type_name": long_name(name), "fields": rows}
 
 
 def _type(of: str) -> _Description:
@@ -65,12 +65,8 @@ def _type(of: str) -> _Description:
         "type_id": _IDS.get(item, _NESTED) + kind,
         "capacity": int(length or 0),
         "string_capacity": 0,
-        "nested_type_name": "" if item in _IDS else _full(item),
+        "nested_type_name": "" if item in _IDS else long_name(item),
     }
-
-
-def _full(name: str) -> str:
-    return name.replace("/", "/msg/")
 
 
 def definitions_of(
@@ -116,7 +112,7 @@ def with_parts(type_: str, known: MessageFields, above: tuple[str, ...] = ()) ->
     yield type_
 
 
-_TEMPLATES = Templates("dds_monitor", ("dds_runtime",))
+_TEMPLATES = ("dds_monitor", "dds_runtime")
 
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
@@ -124,7 +120,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     monitor, errors = bound_to(monitor, known)
     node, problems = node_of(monitor)
     definitions, unknown = definitions_of(node, known)
-    answers, files = distribution(monitor, _TEMPLATES.monitor, "cyclonedds")
+    answers, files = distribution(monitor, _TEMPLATES[0], "cyclonedds")
     answers |= node.answers(lambda of: f"messages.{of.replace('/', '_')}", has_qos=True)
     answers |= definitions
     return PackageAnswers(monitor.package, answers, files), [*problems, *errors, *unknown]
@@ -153,7 +149,7 @@ PLATFORM = Platform(
     name="dds",
     templates=_TEMPLATES,
     monitor=_monitor,
-    support=partial(runtime_packages, "dds_runtime"),
+    support=partial(runtime_packages, _TEMPLATES[1]),
     taken_names=_taken_names,
     next_steps=_next_steps,
     meeting=Meeting("domain", "0", _steps_of_robot, has_partitions=True),

@@ -14,15 +14,14 @@ from eddi_scaffold.platforms import (
     RUNTIME_PACKAGE,
     PackageAnswers,
     Platform,
-    Templates,
 )
 from eddi_scaffold.platforms.ros_packages import GENERATED, distribution, runtime_packages
 
-_TEMPLATES = Templates("plain_monitor", ("plain_runtime",))
+_TEMPLATES = ("plain_monitor", "plain_runtime")
 
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
-    answers, files = distribution(monitor, _TEMPLATES.monitor)
+    answers, files = distribution(monitor, _TEMPLATES[0])
     samples = {  # as the example in the README sets them; None is unknown
         binding.attribute: binding.model.sample if binding.factor is None else None
         for binding in monitor.inputs
@@ -40,6 +39,6 @@ PLATFORM = Platform(
     templates=_TEMPLATES,
     needs_config=False,
     monitor=_monitor,
-    support=partial(runtime_packages, "plain_runtime"),
+    support=partial(runtime_packages, _TEMPLATES[1]),
     taken_names=_taken_names,
 )

@@ -27,9 +27,7 @@ _IMPORTED_BY_ROSPY = (
 
 def taken_names(root: Path | None) -> Mapping[str, str]:
     """Return package names that must not be used, with the reason."""
-    return ros_packages.taken_names(
-        root, rospkg.get_ros_paths(), "CATKIN_IGNORE", _IMPORTED_BY_ROSPY, [METAPACKAGE]
-    )
+    return ros_packages.taken_names(root, rospkg.get_ros_paths(), _IMPORTED_BY_ROSPY, [METAPACKAGE])
 
 
 MONITOR, MESSAGES, META, LAUNCHER, RUNTIME = (
@@ -88,8 +86,9 @@ def _steps_of_robot(
 
 PLATFORM = platforms.Platform(
     name="ros1",
-    templates=platforms.Templates(MONITOR, (MESSAGES, META, LAUNCHER, RUNTIME)),
-    workspace=platforms.Workspace("catkin workspace", "src/eddi_monitor"),
+    templates=(MONITOR, MESSAGES, META, LAUNCHER, RUNTIME),
+    workspace="catkin workspace",
+    root="src/eddi_monitor",
     monitor=monitor_answers,
     support=support_answers,
     taken_names=taken_names,

@@ -27,24 +27,15 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
 
 def _check_topics(node: MonitorNode) -> Iterator[Problem]:
     """Refuse names that ROS 1 takes and ROS 2 does not."""
-    config = node.config.config
-    sections = {
-        "EDDIOutputs": [entry.topic for entry in config.EDDIOutputs],
-        "SimulatorOutputs": [entry.topic for entry in config.SimulatorOutputs],
-    }
-    places = {
-        topic: node.config.place(section, index, "topic")
-        for section, topics in sections.items()
-        for index, topic in enumerate(topics)
-    }
-    used = [
-        *(topic.output.topic for topic in node.publications),
-        *(topic.topic for topic in node.subscribed),
-    ]
-    for topic in dict.fromkeys([*used, *node.between_robots]):
-        if any(part[:1].isdigit() for part in topic.lstrip("~").split("/")):
-            place = places.get(topic, node.config.place("Model"))
-            yield problem("K003.ros2_name", place, key=topic)
+    place = node.config.place
+    sources = enumerate(node.config.config.SimulatorOutputs)
+    places = {source.topic: place("SimulatorOutputs", index, "topic") for index, source in sources}
+    used = {topic.output.topic: topic.place for topic in node.publications}
+    used |= {topic.topic: places[topic.topic] for topic in node.subscribed}
+    used |= dict.fromkeys(node.between_robots, place("Fleet", "topic"))
+    for name, where in used.items():
+        if any(part[:1].isdigit() for part in name.lstrip("~").split("/")):
+            yield problem("K003.ros2_name", where, key=name)
 
 
 def support_answers(monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
@@ -62,7 +53,7 @@ _IMPORTED_BY_RCLPY = (
 def _taken_names(root: Path | None) -> Mapping[str, str]:
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     environment = [os.path.join(prefix, "share") for prefix in prefixes if prefix]  # noqa: PTH118 - as text
-    return ros_packages.taken_names(root, environment, "COLCON_IGNORE", _IMPORTED_BY_RCLPY)
+    return ros_packages.taken_names(root, environment, _IMPORTED_BY_RCLPY)
 
 
 def _next_steps(place: Path, _monitors: Sequence[str]) -> Sequence[str]:
@@ -85,8 +76,9 @@ def _steps_of_robot(
 
 PLATFORM = platforms.Platform(
     name="ros2",
-    templates=platforms.Templates(MONITOR, tuple(SUPPORT)),
-    workspace=platforms.Workspace("colcon workspace", "src/eddi_monitor"),
+    templates=(MONITOR, *SUPPORT),
+    workspace="colcon workspace",
+    root="src/eddi_monitor",
     monitor=monitor_answers,
     support=support_answers,
     taken_names=_taken_names,

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import rospkg
@@ -37,7 +37,6 @@ from eddi_scaffold.platforms import (
     runtime_of,
 )
 from eddi_scaffold.program.runtime_parts import requirements_of
-from eddi_scaffold.regions.package import LINK, entries
 
 _DIAGNOSTICS = {"/diagnostics": "diagnostic_msgs/DiagnosticArray"}
 _SECTIONS = {"pub": "publishers", "sub": "subscribers"}
@@ -52,7 +51,9 @@ def interfaces_of(node: MonitorNode) -> list[JsonValue]:
         "pub": {**told, **published, **_DIAGNOSTICS, **node.between_robots},
         "sub": {**read, **subscribed, **node.between_robots},
     }
-    return [f"{way} {name} {_named(of[name])}" for way, of in topics.items() for name in sorted(of)]
+    return [
+        f"{way} {name} {long_name(of[name])}" for way, of in topics.items() for name in sorted(of)
+    ]
 
 
 def nodes_of(monitors: Mapping[str, Mapping[str, Any]]) -> list[JsonValue]:
@@ -87,74 +88,44 @@ def _field(name: str, type_: str) -> str:
     if item == "std_msgs/Header":
         written = "Header"  # a word of the language, which needs no model of std_msgs
     else:
-        written = item if is_primitive(item) else f"'{_named(item)}'"
+        written = item if is_primitive(item) else f"'{long_name(item)}'"
     return f"{written}{type_.removeprefix(item)} {name}"
 
 
-def _named(type_: str) -> str:
-    """Return a type as in the models: ``std_msgs/msg/Bool``."""
+def long_name(type_: str) -> str:
+    """Return a message type as ROS 2 and the models of nodes write it: ``std_msgs/msg/Bool``."""
     return type_.replace("/", "/msg/")
 
 
 ROSDEP_KEY = "python3-eddi-runtime-pip"  # the runtime library as a distribution that is installed
 LAUNCHER = "eddi_monitor_launcher"
 GENERATED = "eddi-scaffold generates a package of this name itself"
-_MANIFESTS = frozenset(["package.xml", "manifest.xml"])
 
 
 def taken_names(
     root: Path | None,
-    environment: Iterable[str],
-    ignoring: str,
+    environment: Sequence[str],
     imported: Iterable[str],
     own: Iterable[str] = (),
 ) -> Mapping[str, str]:
     """Return package names that must not be used, with the reason.
 
-    Packages of the environment and of the workspace count, those below ``root`` do not: they are
-    our own. Without ``root`` no package of ours counts: it may be the one that is meant.
+    Packages of the environment count, those below ``root`` do not: they are our own. Without
+    ``root`` no package of ours counts: it may be the one that is meant.
     """
-    inside = _manifests(root.parent, ignoring) if root is not None else ()
     ours = root.resolve() if root is not None else None
     taken: dict[str, str] = {}
-    sourced = "; a terminal in which its workspace is not sourced does not see it"
-    for paths, end in ((inside, ""), (environment, sourced)):
-        for name, place in _packages(paths):
-            if not (place.is_relative_to(ours) if ours is not None else _is_ours(place)):
-                taken.setdefault(name, f"the ROS package {name} is in {place}{end}")
+    for path in environment:
+        folder = rospkg.RosPack([path])
+        with suppress(rospkg.InvalidManifest):  # a path with a damaged manifest has no packages
+            for name in folder.list():
+                place = Path(folder.get_path(name)).resolve()
+                if not (place.is_relative_to(ours) if ours is not None else _is_ours(place)):
+                    taken.setdefault(name, f"the ROS package {name} is in {place}")
     taken |= taken_by_python()
     taken |= dict.fromkeys(imported, "it would hide a module that every ROS node imports")
     generated = (MESSAGE_PACKAGE, LAUNCHER, RUNTIME_PACKAGE, *own)
     return taken | dict.fromkeys(generated, GENERATED)
-
-
-def _packages(paths: Iterable[str]) -> Iterator[tuple[str, Path]]:
-    """Yield the packages of ROS paths; a path with a damaged manifest has none."""
-    for path in paths:
-        folder = rospkg.RosPack([path])
-        with suppress(rospkg.InvalidManifest):
-            yield from ((name, Path(folder.get_path(name)).resolve()) for name in folder.list())
-
-
-def _manifests(source: Path, ignoring: str) -> Iterator[str]:
-    """Yield the folders of a workspace that hold a manifest, as rospkg finds them.
-
-    It would follow every link, and one to `/` is the whole machine: here a link leads to one
-    package, or to a repository with packages directly in it.
-    """
-    places = {PurePosixPath(name): kind for name, kind in entries(source, {".git"})}
-    leaves = {path.parent for path in places if path.name in {*_MANIFESTS, ignoring}}
-    for path, kind in sorted(places.items()):
-        inner = path if kind == LINK else path.parent
-        if leaves.isdisjoint(inner.parents):
-            if kind is None and path.name in _MANIFESTS:
-                yield str(source / path.parent)
-            elif kind == LINK:
-                manifests = [
-                    *(source / path).glob("package.xml"),
-                    *(source / path).glob("*/package.xml"),
-                ]
-                yield from (str(manifest.parent) for manifest in manifests if manifest.is_file())
 
 
 def _is_ours(package: Path) -> bool:
@@ -199,24 +170,22 @@ _OURS = frozenset({"Input", "Output", "RosNode", "EDDIInput", "EDDIMonitor", "Mo
 
 
 def classes_of(node: MonitorNode) -> dict[str, str]:
-    """Return message type -> Python name of its class; whole messages of ours keep their module."""
-    values = [topic.type for topic in node.published if topic.path]
-    classes = _class_names([*(source.type for source in node.subscribed), *values])
+    """Return message type -> Python name of its class; whole messages of ours keep their module.
+
+    Equal names of two packages get the package before.
+    """
+    values = (topic.type for topic in node.published if topic.path)
+    types = sorted({*(source.type for source in node.subscribed), *values})
+    names = [name.partition("/")[2] for name in types]
+    classes = {
+        full: name if names.count(name) == 1 and name not in _OURS else full.replace("/", "_")
+        for full, name in zip(types, names, strict=True)
+    }
     return classes | {p.type: _in_module(p.type) for p in node.published if not p.path}
 
 
 def _in_module(type_: str) -> str:
     return type_.replace("/", ".msg.")
-
-
-def _class_names(types: Iterable[str]) -> dict[str, str]:
-    """Return message type -> Python name; equal names of two packages get the package before."""
-    unique = sorted(set(types))
-    names = [name.partition("/")[2] for name in unique]
-    return {
-        full: name if names.count(name) == 1 and name not in _OURS else full.replace("/", "_")
-        for full, name in zip(unique, names, strict=True)
-    }
 
 
 def imports_of(classes: Mapping[str, str]) -> list[str]:

@@ -5,12 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.file import ConfigFile, from_data
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.yaml_text.writer import dump_plain
-from tests.diagnosed import assert_reported
 
 
 def read(text: str) -> ConfigFile:
@@ -27,15 +25,6 @@ def test_no_lease_is_longer_than_words_are_remembered() -> None:
     head = "Model: {id: A, type: ConSert}\n"
     assert codes(f"{head}Fleet: {{robot: b, lease: 60}}\n") == []
     assert codes(f"{head}Fleet: {{robot: b, lease: 60.5}}\n") == ["K003"]
-
-
-@pytest.mark.parametrize(
-    ("spelt", "means"),
-    [("Boolean", "bool"), ("float64", "float"), ("int32", "int"), ("string", "str")],
-)
-def test_types_of_inputs(spelt: str, means: str) -> None:
-    text = f"Model: {{id: A, type: C}}\nEDDIInputs: [{{id: a, type: {spelt}}}]\n"
-    assert read(text).config.EDDIInputs[0].type == means
 
 
 @pytest.mark.parametrize("topic", ["", "/", "a/", "//a", "1a", "a b", "ä", "a\n", "/_a", "a-b"])
@@ -81,11 +70,3 @@ def test_what_the_answers_remember_is_what_was_read(
 def test_a_damaged_memory_is_a_value_error(data: object) -> None:
     with pytest.raises(ValueError, match=r"."):
         from_data(data, "what the package remembers")
-
-
-def test_a_remembered_configuration_names_no_files_any_more() -> None:
-    config = read("Model: {id: A, type: ConSert}\n")
-    again = from_data(config.as_data(), "what the package remembers")
-    with pytest.raises(EddiError) as refused:
-        again.read("safeml_config.yml")
-    assert_reported("K033", refused.value.problems)

@@ -9,7 +9,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.monitors import message_types
 from eddi_scaffold.monitors.config_reading import read_config
-from eddi_scaffold.monitors.message_types import common_messages, installed_types
+from eddi_scaffold.monitors.message_types import common_messages
 from eddi_scaffold.monitors.topic_types import check_types
 from tests.data_files import write_files
 
@@ -32,7 +32,6 @@ def ros(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 def forget() -> None:
     for cached in (  # they look at the machine once
         message_types.installed_message,
-        message_types.installed_types,
         message_types._folders,
         message_types._packages,
     ):
@@ -47,27 +46,19 @@ def problems(*types: str) -> list[Problem]:
     return list(check_types(config, {"s0", "s1"}))
 
 
-def test_a_package_of_this_machine_is_known_with_its_actions(ros: Path) -> None:
-    assert problems("acme.Health", "acme.DockActionFeedback") == []
+def test_a_package_of_this_machine_is_known(ros: Path) -> None:
+    assert problems("acme.Health") == []
     (result,) = problems("acme.Helth")
-    assert (result.code, result.level, result.hint) == (
-        "K048",
-        "error",
-        "did you mean 'acme/Health'?",
-    )
+    assert (result.code, result.level) == ("K039", "warning")
     (ros / "msg" / "Helth.msg").write_text("bool fine\n")
     forget()
     assert problems("acme.Helth") == []
 
 
-def test_a_package_that_nobody_knows_is_told_once() -> None:
-    result = problems("acme.Health", "acme.Other")
+def test_a_type_that_nobody_knows_is_told_once() -> None:
+    result = problems("acme.Health", "acme.Health")
     assert [(entry.code, entry.level) for entry in result] == [("K039", "warning")]
 
 
 def test_every_common_message_exists() -> None:
     assert problems(*common_messages()) == []
-
-
-def test_a_package_name_that_no_file_can_have_is_not_installed() -> None:
-    assert installed_types("a" * 5000) == frozenset()

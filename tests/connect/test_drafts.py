@@ -69,18 +69,6 @@ def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
     assert "WayIsClear\r\n  # my reason" in after  # the reasons for what was not taken are gone
 
 
-@pytest.mark.parametrize(
-    "mine", ["requires: [charge]\n  field: level", "expression: charge.level", "from: charge.level"]
-)
-def test_each_spelling_of_what_is_drafted_stays(mine: str) -> None:
-    head = "Model: {id: Rover, type: ConSert}\nEDDIInputs:\n- id: Charge\n"
-    ages = {"/power/charge": Age(0.5, "a rate")}
-    after = written(f"{head}  {mine}\n  max_age: TODO\n", draft([POWER], [CHARGE], ages))
-    entry_ = after.removeprefix(head).splitlines()
-    assert entry_[0].startswith("  # connect: taken")
-    assert "\n".join(entry_[1:]) == f"  {mine}\n  max_age: 0.5 s  # a rate"
-
-
 def test_comments_of_a_person_behind_what_is_open_stay() -> None:
     mine = data_text("connect/comments_of_a_person.yml")
     after = written(mine, draft([WAY, InputNeed("Speed", "float")], [CLEAR]))

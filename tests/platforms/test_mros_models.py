@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.connect.robot import read_robot
-from eddi_scaffold.connect.rossystem import parse
+from eddi_scaffold.connect.rossystem import parse, read_config_text
 from eddi_scaffold.mros import load_models, load_system
 from eddi_scaffold.mros.topics import simulator_outputs
 from eddi_scaffold.platforms.ros_packages import nodes_of, specs_of
@@ -54,7 +54,7 @@ def test_the_next_monitor_finds_a_node_of_ours(system: str, tmp_path: Path) -> N
     (tmp_path / "rover.rossystem").write_text(system)
     config = tmp_path / "eddi_config.yml"
     config.write_text(CONFIG)
-    parsed = parse(read_robot(tmp_path / "rover.rossystem", models), config)
+    parsed = parse(read_robot(tmp_path / "rover.rossystem", models), read_config_text(config))
     assert parsed.problems == ()
     assert CONFIG.splitlines()[2] in parsed.after  # as it is, beside those that are new
 

@@ -102,14 +102,7 @@ def test_every_template_has_one_platform() -> None:
     assert list(platforms()) == [one.name for one in platforms().values()] == list(names())
     folders = [path.parent.name for path in (HERE / "copier_templates").glob("*/about.jinja")]
     folders.remove("start")  # of people
-    owners = {
-        name: [
-            p for p in platforms().values() if name in (p.templates.monitor, *p.templates.support)
-        ]
-        for name in folders
-    }
+    owners = {name: [p for p in platforms().values() if name in p.templates] for name in folders}
     assert {name: [owner_of(name)] for name in folders} == owners
-    declared = [
-        name for p in platforms().values() for name in (p.templates.monitor, *p.templates.support)
-    ]
+    declared = [name for p in platforms().values() for name in p.templates]
     assert sorted(declared) == sorted(folders)

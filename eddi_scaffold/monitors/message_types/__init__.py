@@ -65,12 +65,6 @@ def ros2_fields(fields: Fields) -> dict[str, str]:
     }
 
 
-_PARTS = (
-    "Action", "ActionFeedback", "ActionGoal", "ActionResult", "Feedback", "Goal", "Result",
-)  # fmt: skip
-"""What the name of an action becomes in those of its messages."""
-
-
 @cache
 def installed_message(name: str) -> Fields | None:
     """Return the fields of ``package/Type``; ``None`` when this machine does not have it.
@@ -86,24 +80,6 @@ def installed_message(name: str) -> Fields | None:
         except OSError:
             continue
     return None
-
-
-@cache
-def installed_types(package: str) -> frozenset[str]:
-    """Return the message types of a package, also of its actions; none where it is not installed.
-
-    The first folder with messages counts: it is the one that Python would import.
-    """
-    for folder in _folders(package):
-        try:
-            names = {file.stem for file in folder.glob("msg/*.msg")}
-            actions = [file.stem for file in folder.glob("action/*.action")]
-        except OSError:  # no file can have such a name
-            continue
-        names |= {f"{action}{part}" for action in actions for part in _PARTS}
-        if names:
-            return frozenset(f"{package}/{name}" for name in names)
-    return frozenset()
 
 
 @cache

@@ -8,22 +8,23 @@ from pathlib import Path
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.monitors.answers import files_of, identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.platforms import PackageAnswers, Platform, Templates, Workspace
+from eddi_scaffold.platforms import PackageAnswers, Platform
 
-_TEMPLATES = Templates("robot", ("fleet",))
+_TEMPLATES = ("robot", "fleet")
 
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     files = files_of(monitor)
-    answers = shared_answers(monitor, _TEMPLATES.monitor, files) | {"colour": "red"}
+    answers = shared_answers(monitor, _TEMPLATES[0], files) | {"colour": "red"}
     return PackageAnswers(monitor.package, answers, files), []
 
 
 def _support(monitors: Sequence[str]) -> list[PackageAnswers]:
-    (template,) = _TEMPLATES.support
     identity = identity_answers("all_robots", "All of them", None)
     return [
-        PackageAnswers("all_robots", {"template": template, **identity, "monitors": [*monitors]})
+        PackageAnswers(
+            "all_robots", {"template": _TEMPLATES[1], **identity, "monitors": [*monitors]}
+        )
     ]
 
 
@@ -38,7 +39,8 @@ def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
 PLATFORM = Platform(
     name="amiga_500",
     templates=_TEMPLATES,
-    workspace=Workspace("box of floppy disks", "src/eddi_monitor"),
+    workspace="box of floppy disks",
+    root="src/eddi_monitor",
     needs_config=True,
     monitor=_monitor,
     support=_support,
