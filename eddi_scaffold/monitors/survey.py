@@ -20,7 +20,6 @@ from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, named_like_
 from eddi_scaffold.mros import (
     SYSTEM_SUFFIX,
     MrosSyntaxError,
-    problem_of,
     read_ros_models,
     read_rossystem,
 )
@@ -71,7 +70,7 @@ def mros_of(source: Source) -> Shown | None:
             model = read_ros_models(source.data, source.name)
             document, tree, problems = model_json(model), model_tree(model), model.problems
     except MrosSyntaxError as failed:
-        problem = replace(problem_of(failed), level="error")
+        problem = replace(failed.problems[0], level="error")
         return Shown(failure_json(failed) | {"problems": [problem.as_json()]}, (), (problem,))
     return Shown(document, tuple(tree), problems)
 

@@ -26,14 +26,7 @@ from eddi_scaffold.mros.model import (
     System,
     SystemInterface,
 )
-from eddi_scaffold.mros.text import (
-    EMPTY_FILE,
-    FOREIGN_FORMAT,
-    SPEC_PARTS,
-    Text,
-    alternatives,
-    quoted,
-)
+from eddi_scaffold.mros.text import SPEC_PARTS, Text, alternatives, quoted
 
 _ARROWS = {section.arrow: section.kind for section in SECTIONS.values()}
 _FROM = {f"from{arrow.removesuffix('->')}": kind for arrow, kind in _ARROWS.items()}
@@ -89,13 +82,13 @@ class IndentReader:
         """Read a system; the YAML of rossdl is refused."""
         lines = blocks_of(self.text)
         if not lines:
-            raise self.text.error(0, "there is nothing but comments in this file", EMPTY_FILE)
+            raise self.text.error(0, "there is nothing but comments in this file", "empty")
         first = lines[0]
         words = LineCursor(self.text, first)
         name = words.key("the system name")
         if any(line.tokens[0][1].lower() == "systems" for line in first.below):
             message = "this is a system in the YAML of rossdl, not a .rossystem"
-            raise self.text.error(0, message, FOREIGN_FORMAT, "rossdl")
+            raise self.text.error(0, message, "rossdl")
         words.end()
         components: list[Component] = []
         connections: list[Connection] = []
