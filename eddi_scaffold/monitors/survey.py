@@ -72,7 +72,7 @@ def mros_of(source: Source) -> Shown | None:
     except MrosSyntaxError as failed:
         problem = replace(failed.problems[0], level="error")
         return Shown(failure_json(failed) | {"problems": [problem.as_json()]}, (), (problem,))
-    return Shown(document, tuple(tree), problems)
+    return Shown(document, tuple(tree), tuple(problems))
 
 
 def configured(

@@ -83,7 +83,7 @@ def failure_json(failed: MrosSyntaxError) -> dict[str, Json]:
     return {"result": "error", **dialect, **place, "msg": fault.message}
 
 
-def _warnings(problems: tuple[Problem, ...]) -> dict[str, Json]:
+def _warnings(problems: list[Problem]) -> dict[str, Json]:
     rows = [[reported.place.line, reported.place.col, reported.code] for reported in problems]
     return {"warnings": rows} if rows else {}
 
