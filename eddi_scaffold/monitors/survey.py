@@ -33,7 +33,11 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
         document, problems = read_document(source)
         if document is None:
             return {"models": []}, problems
-        left_out = [element.as_json() for element in unread(document)]
+        left_out = []
+        for class_name, elements in unread(document).items():
+            place = document.place(elements[0])
+            entry = {"class": class_name, "count": len(elements)}
+            left_out.append({**entry, "path": place.path, "line": place.line})
         return {**survey(document), "unread": left_out}, problems
     reading = read_models(source)
     models = [
