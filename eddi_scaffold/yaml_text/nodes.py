@@ -3,8 +3,8 @@
 A scalar stays the text that was written, together with the fact whether it was quoted; what a
 plain scalar *means* is decided here: text, number or Boolean as YAML 1.2 has it
 (:func:`as_text` and its neighbours), or the value of YAML 1.1 (:func:`value_11`), which ROS and
-``eddi_config.yml`` follow. Documents are read event by event without recursion, so that deep
-nesting is a message like any other mistake.
+``eddi_config.yml`` follow. Documents are read event by event without recursion, so that alias
+bombs and deep nesting are a message like any other mistake.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["Verbatim", "dump_plain", "quoted"]
 
 MAX_BYTES = 16 * 1024 * 1024
+MAX_ALIASED = 1_000_000  # nodes
 MAX_DEPTH = 32
 MAX_DIGITS = 64
 _CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
@@ -276,7 +277,17 @@ class _Open:
 
     place: Place
     is_map: bool
+    anchor: str | None
     children: list[Node] = field(default_factory=list)
+
+
+def _measured(node: Node) -> tuple[int, int]:
+    """Return the number of nodes and of levels in a node."""
+    children = items_of(node)
+    if isinstance(node, Map):
+        children = tuple(value for _, value in node.entries)
+    measures = [_measured(child) for child in children]
+    return 1 + sum(count for count, _ in measures), 1 + max((n for _, n in measures), default=0)
 
 
 class _Composer:
@@ -286,6 +297,8 @@ class _Composer:
         self.name, self.code, self.has_many = name, code, has_many
         self.problems: list[Problem] = []
         self.open: list[_Open] = []
+        self.anchors: dict[str, Node] = {}
+        self.aliased = 0  # nodes in all that aliases stand for
         self.roots: list[Node] = []
 
     def compose(self, source: Source) -> None:
@@ -332,21 +345,37 @@ class _Composer:
             raise self._fault(f"the tag {event.tag!r} is not supported here", place, _QUOTE)
         if isinstance(event, yaml.ScalarEvent):
             plain = event.style in (None, "") and event.tag is None
-            self._add(Scalar(event.value, plain, place))
+            self._add(Scalar(event.value, plain, place), event.anchor)
         elif isinstance(event, yaml.CollectionStartEvent):
             if len(self.open) >= MAX_DEPTH:
                 raise self._fault(_TOO_DEEP, place)
-            self.open.append(_Open(place, isinstance(event, yaml.MappingStartEvent)))
+            self.anchors.pop(event.anchor, None)  # an alias to what is still open has none
+            self.open.append(_Open(place, isinstance(event, yaml.MappingStartEvent), event.anchor))
         elif isinstance(event, yaml.CollectionEndEvent):
             done = self.open.pop()
-            self._add(self._map(done) if done.is_map else Items(tuple(done.children), done.place))
+            node = self._map(done) if done.is_map else Items(tuple(done.children), done.place)
+            self._add(node, done.anchor)
         elif isinstance(event, yaml.AliasEvent):
-            reason = f"the alias *{event.anchor} is not supported: write what it stands for"
-            raise self._fault(reason, place, _QUOTE)
-        elif isinstance(event, yaml.DocumentStartEvent) and self.roots and not self.has_many:
-            raise self._fault("the file contains more than one document", place)
+            if event.anchor not in self.anchors:
+                raise self._fault(
+                    f"no node before has the anchor of *{event.anchor}", place, _QUOTE
+                )
+            count, levels = _measured(self.anchors[event.anchor])
+            self.aliased += count
+            if self.aliased > MAX_ALIASED:
+                reason = f"aliases stand for more nodes than the limit of {MAX_ALIASED}"
+                raise self._fault(reason, place)
+            if len(self.open) + levels > MAX_DEPTH + 1:
+                raise self._fault(_TOO_DEEP, place)
+            self._add(self.anchors[event.anchor], None)
+        elif isinstance(event, yaml.DocumentStartEvent):
+            if self.roots and not self.has_many:
+                raise self._fault("the file contains more than one document", place)
+            self.anchors.clear()
 
-    def _add(self, node: Node) -> None:
+    def _add(self, node: Node, anchor: str | None) -> None:
+        if anchor is not None:
+            self.anchors[anchor] = node
         (self.open[-1].children if self.open else self.roots).append(node)
 
     def _map(self, done: _Open) -> Map:

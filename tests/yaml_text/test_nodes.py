@@ -113,7 +113,9 @@ BAD = {
     "# only a remark\n": (1, 1, "the file contains no document"),
     "a: 1\n---\nb: 1\n": (2, 1, "the file contains more than one document"),
     "a: b: c": (1, 5, "this is not YAML: mapping values are not allowed in this context"),
-    "a: &b 1\nc: *b": (2, 4, "the alias *b is not supported: write what it stands for"),
+    "a: *b": (1, 4, "no node before has the anchor of *b"),
+    "a: &b [*b]": (1, 8, "no node before has the anchor of *b"),
+    "a: &b 1\nc: &b [*b]": (2, 8, "no node before has the anchor of *b"),
     "? [a]\n: b": (1, 3, "a key must be text, not a list"),
     "a: !!a/b ''": (1, 4, "the tag 'tag:yaml.org,2002:a/b' is not supported here"),
     "a: \x00": (1, 4, "this is not YAML: the character U+0000 is not allowed"),
@@ -136,6 +138,13 @@ def test_repeated_keys_at_any_level_are_all_reported():
     node, problems = read("a: {b: 1, 'b': 2}\na: 3\n")
     assert [(p.place.line, p.place.col) for p in problems] == [(1, 11), (2, 1)]
     assert y.value_11(node) == {"a": {"b": 1}}
+
+
+def test_aliases_count_for_the_depth():
+    chain = ["a0: &a0 [x]", *(f"a{n}: &a{n} [*a{n - 1}]" for n in range(1, 40))]
+    node, (problem,) = read("\n".join(chain))
+    assert node is None
+    assert problem.message == "nested deeper than the limit of 32"
 
 
 def test_a_file_beyond_the_limit_is_not_parsed():
