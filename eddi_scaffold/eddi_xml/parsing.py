@@ -70,6 +70,9 @@ XMI = "http://www.omg.org/XMI"
 
 _KNOWN_PREFIXES = {"xsi": XSI, "xmi": XMI}
 _UNDECLARED = re.compile(r"Namespace prefix (\S+) (?:for \S+ )?on \S+ is not defined")
+_QUOTES = ("ERR_LT_IN_ATTRIBUTE", "ERR_ATTRIBUTE_NOT_FINISHED")
+"""How a quote that is not closed shows: far behind it."""
+_START_TAG = re.compile(r"end of Start Tag \S+ line (\d+)")
 _MAX_REPAIRS = 100
 _LAST_LINE = 65535
 
@@ -181,6 +184,11 @@ def _syntax_error(failure: Exception, faults: Sequence[Any], name: str) -> Probl
     message = " ".join((entries[0].message if entries else str(failure)).split()).rstrip(".")
     line = entries[0].line if entries else getattr(failure, "lineno", None) or 1
     place = Place(name, max(line, 1), (entries[0].column if entries else None) or None)
+    if entries and entries[0].type_name in _QUOTES:
+        starts = [int(m[1]) for e in entries if (m := _START_TAG.search(e.message))]
+        if starts and starts[0] < line:
+            place = Place(name, starts[0])
+        return problem("X001.quote", place, reason=message)
     if "XML_PARSE_HUGE" in message or "too long" in message or "Resource limit" in message:
         return problem("X003.parser", place, reason=message)
     return problem("X001.syntax", place, reason=message)

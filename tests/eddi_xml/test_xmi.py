@@ -31,6 +31,13 @@ def test_not_well_formed(data: bytes, line: int, reason: str) -> None:
     assert problem.place.col is not None
 
 
+@pytest.mark.parametrize("value", ['"Arm/>\n<c/>', "'Arm/>\n</a>", '"Arm/>\n'])
+def test_a_quote_that_is_not_closed_is_told_where_it_stands(value: str) -> None:
+    _, problems = read(f'<a xmlns="drone">\n  <b name={value}</a>'.encode())
+    assert [(one.code, one.place.line) for one in problems] == [("X001", 2)]
+    assert problems[0].hint == "close the quote; a `<` in a value is `&lt;`"
+
+
 def _entities(count: int) -> str:
     names = "".join(
         f'<!ENTITY e{i} "{f"&e{i - 1};" * 10 if i else "x" * 1000}">' for i in range(count)
