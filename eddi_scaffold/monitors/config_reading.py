@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from eddi_scaffold.common.files import Source, read_source, similar_file
+from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -177,10 +177,7 @@ def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
         except EddiError as failure:
             (problem,) = failure.problems
             place = file.place("EDDIInputs", index, "expression_file")
-            hint = problem.hint
-            if problem.code != "F009":
-                hint = similar_file(Path(file.path(name)), name, Path(file.name).name)
-            problems.append(about_file(replace(problem, hint=hint), name, place))
+            problems.append(about_file(problem, name, place))
             continue
         try:
             texts[name] = source.text("E001")
