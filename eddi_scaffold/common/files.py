@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import errno
 import hashlib
-import itertools
 import os
 import re
 import stat
@@ -19,7 +18,7 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, most_similar, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 
 MAX_BYTES = 64 * 1024 * 1024  # a larger file is nothing that we read
 
@@ -58,11 +57,8 @@ def read_regular(path: str | Path, limit: int = MAX_BYTES) -> bytes:
         OSError: it is a folder, cannot be read, or is larger than ``limit``.
     """
     with open_regular(path) as stream:
-        size = os.fstat(stream.fileno()).st_size
-        data = stream.read(size + 1) or b"" if size <= limit else b""  # None: nothing new in kmsg
-        if len(data) > size:  # it grows, or is of /proc, where files have no size
-            data += stream.read(limit + 1 - len(data)) or b""
-    if max(size, len(data)) > limit:
+        data = stream.read(limit + 1) or b""  # None: nothing new in kmsg
+    if len(data) > limit:
         reason = f"it has more than the limit of {limit} bytes"
         raise OSError(errno.EFBIG, reason, str(path))
     return data
@@ -107,7 +103,6 @@ def other_format(head: bytes) -> tuple[str, str] | None:
     return next(((name, hint) for form, name, hint in _FORMATS if re.search(form, text)), None)
 
 
-_MOST_NEIGHBOURS = 1_000
 _inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("_inputs", default=None)
 """Device and number of the files that the command has read; ``None`` where nobody asks."""
 
@@ -218,18 +213,4 @@ def _identity(status: os.stat_result) -> tuple[int, int]:
 def _unreadable(name: str, failure: OSError) -> Problem:
     reason = failure.strerror or str(failure)
     hint = "write it to a file first" if isinstance(failure, NotRegularError) else None
-    if isinstance(failure, FileNotFoundError):
-        hint = similar_file(Path(name), name)
     return problem("F001.unreadable", Place(name), hint=hint, reason=reason)
-
-
-def similar_file(path: Path, written: str, but: str = "") -> str | None:
-    """Return the hint on a file of a similar name where one is missing; ``but`` is not meant."""
-    try:
-        there = [entry.name for entry in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
-    except (OSError, ValueError):
-        return None
-    similar = most_similar(path.name, [name for name in there if name != but])
-    return (
-        f"did you mean {str(Path(written).with_name(similar))!r}?" if similar is not None else None
-    )

@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from eddi_scaffold.common.files import next_to, similar_file
+from eddi_scaffold.common.files import next_to
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -231,8 +231,7 @@ def existing_file(of: str, name: str, place: Place) -> Path:
     except EddiError as failure:
         raise EddiError(*(about_file(p, name, place) for p in failure.problems)) from None
     except (OSError, ValueError):
-        hint = similar_file(path, name, Path(of).name)
-        hint = hint or f"a name is relative to the folder of {Path(of).name}"
+        hint = f"a name is relative to the folder of {Path(of).name}"
         raise EddiError(problem("F001.no_file", place, hint=hint, name=name)) from None
     return path
 

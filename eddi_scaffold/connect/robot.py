@@ -17,11 +17,9 @@ from eddi_scaffold.monitors.config_reading import RobotAdditions, read_file
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import (
     SYSTEM_SUFFIX,
-    MrosSyntaxError,
     System,
     load_models,
     load_system,
-    problem_of,
     read_ros_models,
 )
 from eddi_scaffold.mros.resolving import Models
@@ -95,7 +93,7 @@ def read_robot(system: Path | None, folder: Path) -> Robot:
     """
     models = load_models(folder)
     if system is None:
-        return Robot(folder, None, System("", "indent", "", (), ()), models, models.problems)
+        return Robot(folder, None, System("", "indent", ""), models, models.problems)
     try:
         model, problems = load_system(system, folder)
     except EddiError as failed:  # who can go no further sees an error in any case
@@ -167,8 +165,6 @@ def _check_file(path: Path, robot: Robot | None, configs: Sequence[Path]) -> Seq
         if not path.name.endswith(SYSTEM_SUFFIX):
             return read_ros_models(read_source(path).data, str(path)).problems
         system, problems = load_system(path, robot.folder if robot is not None else None)
-    except MrosSyntaxError as failed:
-        return [problem_of(failed)]
     except EddiError as failed:
         return failed.problems
     if robot is None:

@@ -18,7 +18,7 @@ RULE = 6.0  # space around the line below the heading of a table
 _PADDING_X, _PADDING_Y = 12.0, 8.0
 _GAP_X, _GAP_Y = 26.0, 44.0
 _BEND = 10.0
-_BENDS = 10  # bends for each node and edge; an edge across more layers is drawn as a straight line
+_MOST_BENDS = 20  # an edge across more layers is drawn as a straight line
 _APART = 9.0  # how far each of two opposite edges keeps from the middle between them
 _LONGEST = 28  # letters of a line of a label
 _ROUND = {"ellipse": 1.25, "hexagon": 1.2, "and": 1.1, "or": 1.2, "not": 1.3}
@@ -119,27 +119,20 @@ class Layers:
 
 
 def layered(count: int, edges: Sequence[Edge]) -> Layers:
-    """Assign layers; a loop, and an edge across very many layers, has an empty chain."""
+    """Assign layers; a loop, and an edge across many layers, has an empty chain."""
     turned = zip(edges, _turned(count, edges), strict=True)
     forward = [(b, a) if is_back else (a, b) for (a, b), is_back in turned]
     depth = _depths(count, [edge for edge in forward if edge[0] != edge[1]])
     rows: list[list[int]] = [[] for _ in range(max(depth, default=-1) + 1)]
     for node, row in enumerate(depth):
         rows[row].append(node)
-    spans = [depth[end] - depth[start] for start, end in forward]
-    longest, affordable = max(spans, default=0), _BENDS * (count + len(spans) + _BENDS)
-    for span in sorted(spans):
-        affordable -= span - 1
-        if affordable < 0:
-            longest = span - 1
-            break
     chains: list[tuple[int, ...]] = []
     bends = count
-    for (start, end), span in zip(forward, spans, strict=True):
-        if start == end or span > longest:
+    for start, end in forward:
+        between = range(bends, bends + depth[end] - depth[start] - 1)
+        if start == end or len(between) > _MOST_BENDS:
             chains.append(())
             continue
-        between = range(bends, bends + span - 1)
         for row, bend in enumerate(between, depth[start] + 1):
             rows[row].append(bend)
         chains.append((start, *between, end))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import codecs
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias
 
 from lxml import etree
@@ -60,15 +61,6 @@ def read_head(data: bytes) -> Head:
 def looks_like_xml(data: bytes) -> bool:
     """Return whether the first character that is not white space is ``<``."""
     return read_head(data[:HEAD_BYTES]).text.lstrip().startswith("<")
-
-
-def syntax_hint(head: Head, message: str) -> str | None:
-    """Return what to do about a syntax error, where the cause is a common one."""
-    if not head.text.strip():
-        return "the file is empty"
-    if "Premature end of data" in message or "EndTag: '</' not found" in message:
-        return "the file is cut off: the end tag of the first element is missing"
-    return None if head.text.lstrip().startswith("<") else "this is not an XML file"
 
 
 Element: TypeAlias = etree._Element  # noqa: SLF001 - lxml has no public name for it
@@ -179,21 +171,19 @@ def _parse(data: bytes, head: Head, name: str) -> tuple[Element | None, list[str
             matches = [_UNDECLARED.match(entry.message) for entry in faults]
             missing = dict.fromkeys(m[1] for m in matches if m and m[1] not in undeclared)
             if not missing or None in matches or at is None:
-                fault = _syntax_error(failure, faults, head, name, repaired=bool(declared))
+                fault = _syntax_error(failure, faults, name)
+                if declared and fault.place.line == head.root_line:  # longer by what is declared
+                    fault = replace(fault, place=replace(fault.place, col=None))
                 return None, [], fault
             undeclared += missing
     return None, [], problem("X001.prefixes", Place(name, 1))
 
 
-def _syntax_error(
-    failure: Exception, faults: Sequence[Any], head: Head, name: str, *, repaired: bool
-) -> Problem:
+def _syntax_error(failure: Exception, faults: Sequence[Any], name: str) -> Problem:
     entries = [e for e in faults if e.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
     message = " ".join((entries[0].message if entries else str(failure)).split()).rstrip(".")
     line = entries[0].line if entries else getattr(failure, "lineno", None) or 1
-    shifted = repaired and line == head.root_line
-    column = None if shifted or not entries else entries[0].column
-    place = Place(name, max(line, 1), column or None)
+    place = Place(name, max(line, 1), (entries[0].column if entries else None) or None)
     if entries and entries[0].type_name in _QUOTES:
         starts = [int(m[1]) for e in entries if (m := _START_TAG.search(e.message))]
         if starts and starts[0] < line:
@@ -201,7 +191,7 @@ def _syntax_error(
         return problem("X001.quote", place, reason=message)
     if "XML_PARSE_HUGE" in message or "too long" in message or "Resource limit" in message:
         return problem("X003.parser", place, reason=message)
-    return problem("X001.syntax", place, hint=syntax_hint(head, message), reason=message)
+    return problem("X001.syntax", place, reason=message)
 
 
 def _docinfo(document: Element) -> Any:

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
-from eddi_scaffold.common.problems import shortened_list
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.eddi_xml.vocabulary import fold
 
@@ -128,16 +127,13 @@ class References:
         return self._ids.get(xmi_id, ())
 
     def explain(self, fragment: Fragment) -> str:
-        """Explain why a path points at nothing: the first segment that fails and what is there."""
+        """Explain why a path points at nothing: the first segment that fails."""
         if fragment.root >= len(self._roots):
             return f"the file has no root {fragment.root}"
         element, segments = self._roots[fragment.root], fragment.segments.split("/@")[1:]
         while (child := self._step(element, segments[0])) is not None and segments[1:]:
             element, segments = child, segments[1:]
-        by_name = self._children(element).by_name
-        features = [f'"{name}" ({len(group)})' for name, group in by_name.items()]
-        listed = shortened_list(features) if features else "no children"
-        return f'{self.path(element)} has no "{segments[0]}", it has {listed}'
+        return f'{self.path(element)} has no "{segments[0]}"'
 
     @cached_property
     def _ids(self) -> dict[str, list[Element]]:

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import PurePath
-from typing import Any, NamedTuple
+from typing import Any
 
-from eddi_scaffold.common.problems import Place, Problem, plural, problem
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import CLASSES, KNOWN_CLASSES, MONITORED, EddiDocument
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
@@ -107,41 +107,8 @@ def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]
     return counts
 
 
-class Unread(NamedTuple):
-    """Packages and models of one class that nothing reads."""
-
-    class_name: str  # their class as the file states it, or the feature that they are in
-    number: int  # how many
-    elements: int  # number of elements, with all inside
-    inside: Mapping[str, int]  # class -> how many packages and models of it lie in them
-    place: Place  # of the first one
-
-    def as_json(self) -> dict[str, object]:
-        """Return the stable JSON form of ``show --json``."""
-        return {
-            "class": self.class_name,
-            "count": self.number,
-            "elements": self.elements,
-            "inside": dict(self.inside),
-            "path": self.place.path,
-            "line": self.place.line,
-        }
-
-    def problem(self) -> Problem:
-        """Return the warning (X021)."""
-        name = local_name(self.class_name)
-        listed = plural(self.elements, "element")
-        if self.inside:
-            listed += f" with {', '.join(f'{n} {what}' for what, n in self.inside.items())}"
-        listed = listed if name == self.class_name else f"{self.class_name}, {listed}"
-        verb, them = ("is", "it") if self.number == 1 else ("are", "them")
-        read = f"{verb} not read: no monitor is made of {them}"
-        fields = {"name": name, "listed": listed, "read": read}
-        return problem("X021.ignored", self.place, number=self.number, **fields)
-
-
-def unread(document: EddiDocument) -> list[Unread]:
-    """Return each class of packages and models that nothing reads, in document order."""
+def unread(document: EddiDocument) -> dict[str, list[Element]]:
+    """Return each class of packages and models that nothing reads, with its elements."""
     classes: dict[str, list[Element]] = {}
     has_machine = any(
         document.kind_of(each) == "state_machine" for each in document.document.iter()
@@ -149,14 +116,7 @@ def unread(document: EddiDocument) -> list[Unread]:
     for element in _unread_elements(document):
         if not (has_machine and document.class_of(element).name in _OF_MACHINES):
             classes.setdefault(document.class_or_feature(element), []).append(element)
-    result = []
-    for class_name, elements in classes.items():
-        below = [each for element in elements for each in element.iterdescendants()]
-        models = [each for each in below if _is_left_out(document, each)]
-        inside = Counter(local_name(document.class_or_feature(each)) for each in models)
-        number, place = len(elements), document.place(elements[0])
-        result.append(Unread(class_name, number, number + len(below), inside, place))
-    return result
+    return classes
 
 
 def _unread_elements(document: EddiDocument) -> Iterator[Element]:

@@ -117,7 +117,10 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
     ]
     if not models and (stranger := survey.foreign(document)) is not None:
         return ReadResult((), (stranger,))
-    not_read = tuple(element.problem() for element in survey.unread(document))
+    not_read = tuple(
+        problem("X021.ignored", document.place(first), number=1 + len(more), class_name=name)
+        for name, (first, *more) in survey.unread(document).items()
+    )
     return ReadResult(tuple(models), tuple(problems), not_read, hazard_analysis(document))
 
 

@@ -20,7 +20,6 @@ from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, named_like_
 from eddi_scaffold.mros import (
     SYSTEM_SUFFIX,
     MrosSyntaxError,
-    problem_of,
     read_ros_models,
     read_rossystem,
 )
@@ -34,7 +33,11 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
         document, problems = read_document(source)
         if document is None:
             return {"models": []}, problems
-        left_out = [element.as_json() for element in unread(document)]
+        left_out = []
+        for class_name, elements in unread(document).items():
+            place = document.place(elements[0])
+            entry = {"class": class_name, "count": len(elements)}
+            left_out.append({**entry, "path": place.path, "line": place.line})
         return {**survey(document), "unread": left_out}, problems
     reading = read_models(source)
     models = [
@@ -71,9 +74,9 @@ def mros_of(source: Source) -> Shown | None:
             model = read_ros_models(source.data, source.name)
             document, tree, problems = model_json(model), model_tree(model), model.problems
     except MrosSyntaxError as failed:
-        problem = replace(problem_of(failed), level="error")
+        problem = replace(failed.problems[0], level="error")
         return Shown(failure_json(failed) | {"problems": [problem.as_json()]}, (), (problem,))
-    return Shown(document, tuple(tree), problems)
+    return Shown(document, tuple(tree), tuple(problems))
 
 
 def configured(

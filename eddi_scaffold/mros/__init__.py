@@ -25,7 +25,7 @@ from eddi_scaffold.mros.brace_format import BraceReader
 from eddi_scaffold.mros.indent_format import IndentReader
 from eddi_scaffold.mros.model import RosModel, System
 from eddi_scaffold.mros.resolving import Models
-from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError, decoded
+from eddi_scaffold.mros.text import MrosSyntaxError, decoded
 
 __all__ = ["MrosSyntaxError", "RosModel", "System", "read_ros_models", "read_rossystem"]
 
@@ -47,8 +47,8 @@ def read_rossystem(source: str | bytes, file: str = "<text>") -> System:
         file: its name, for messages only.
 
     Raises:
-        MrosSyntaxError: it cannot be read (``SYNTAX``), holds nothing (``EMPTY_FILE``), or is in
-            a format of the family that is not read (``FOREIGN_FORMAT``: XMI, rossdl).
+        MrosSyntaxError: it cannot be read, holds nothing, or is in a format of the family that is
+            not read (XMI, rossdl).
     """
     return _reader(source, file).system()
 
@@ -68,9 +68,9 @@ def _reader(source: str | bytes, file: str) -> BraceReader | IndentReader:
     nothing = _NOTHING.match(text.text)
     start = nothing.end() if nothing else 0
     if start == len(text.text):
-        raise text.error(0, "the file contains only blanks and comments", EMPTY_FILE)
+        raise text.error(0, "the file contains only blanks and comments", "empty")
     if text.text.startswith("<", start):
-        raise text.error(0, _XMI, FOREIGN_FORMAT, "xmi")
+        raise text.error(0, _XMI, "xmi")
     text.dialect = "brace" if _BRACE.match(text.text, start) else "indent"
     return BraceReader(text) if text.dialect == "brace" else IndentReader(text)
 
@@ -90,8 +90,8 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Pr
     try:
         system = read_rossystem(read_source(path).data, name)
     except MrosSyntaxError as failed:
-        failed.file = str(path)
-        raise EddiError(problem_of(failed)) from None
+        (fault,) = failed.problems
+        raise EddiError(replace(fault, place=replace(fault.place, file=str(path)))) from None
     if system.references_only:
         raise EddiError(problem("M001.references", Place(str(path), 1, 1)))
     return system, list(system.problems)
@@ -126,20 +126,11 @@ def load_models(folder: Path) -> Models:
                 parts.append(read_rossystem(data, name))
                 continue
             model = read_ros_models(data, name)
-        except (EddiError, MrosSyntaxError) as failed:
+        except EddiError as failed:
             if not name.endswith(SYSTEM_SUFFIX):  # a sub-system that is missing is reported as such
-                problems += (
-                    failed.problems if isinstance(failed, EddiError) else [problem_of(failed)]
-                )
+                problems += failed.problems
                 skipped.append(name)
             continue
         problems += model.problems
         models.append(model)
     return Models(tuple(models), tuple(parts), tuple(skipped), tuple(problems))
-
-
-def problem_of(failed: MrosSyntaxError) -> Problem:
-    """Return an error of the readers as a problem; nothing but comments is a warning."""
-    place = Place(failed.file, failed.line, failed.col)
-    fault = problem(failed.case, place, reason=failed.message)
-    return fault if failed.case == EMPTY_FILE else replace(fault, excerpt=failed.source_line)

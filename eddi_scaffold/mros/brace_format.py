@@ -144,12 +144,10 @@ class BraceReader(Cursor):
 
     def system(self) -> System:
         """Read a system."""
-        self.components: list[Component] = []
-        self.references_only = False
-        connections: list[Connection] = []
+        self._system = system = System(self.text.file, "brace", "")
         self.expect("RosSystem")
         opened = self.open()
-        name = self.behind("Name", "the name of the system") or ""
+        system.name = self.behind("Name", "the name of the system") or ""
         known = ("RosComponents", "RosComponentStacks", *_CONNECTIONS, "Parameters")
         for key in self.keys(opened, known, "RosComponent"):
             if key == "RosComponentStacks":
@@ -157,19 +155,12 @@ class BraceReader(Cursor):
             elif key == "Parameters":
                 self.block(partial(self.skip_parameter, "Parameter"))
             elif key in _CONNECTIONS:
-                connections += self.block(partial(self._connection, key[:-1]))
+                system.connections += self.block(partial(self._connection, key[:-1]))
             else:
-                self.components += self.block(self._component, _LIST)
+                system.components += self.block(self._component, _LIST)
             self.accept(",")
         self.expect_end("system")
-        return System(
-            self.text.file,
-            "brace",
-            name,
-            tuple(self.components),
-            tuple(connections),
-            references_only=self.references_only,
-        )
+        return system
 
     def _stack(self) -> None:
         self.expect("ComponentStack")
@@ -179,7 +170,7 @@ class BraceReader(Cursor):
             if key == "SafetyLevel":
                 self.name("a safety level")
             elif key == "RosComponents":
-                self.components += self.block(self._component, _LIST)
+                self._system.components += self.block(self._component, _LIST)
             else:
                 self.skip_group(self.open())
 
@@ -187,25 +178,24 @@ class BraceReader(Cursor):
         place = self.place()
         name = self.name("'ComponentInterface' or the name of a component")
         if name != "ComponentInterface" or not self.is_next("{"):
-            self.references_only = True
-            return Component(name, None, None, (), 0, place)
+            self._system.references_only = True
+            return Component(name, place)
         opened = self.open()
-        name = self.behind("name", "the name of the component") or ""
-        namespace = from_node = None
-        interfaces: list[SystemInterface] = []
-        parameters = 0
+        component = Component(self.behind("name", "the name of the component") or "", place)
         known = ("NameSpace", "FromRosNode", *_SYSTEM_SECTIONS, "RosParameters")
         for key in self.keys(opened, known, *_SECTIONS_OF_2018):
             if key == "NameSpace":
-                namespace = self.name("a namespace")
+                component.namespace = self.name("a namespace")
             elif key == "FromRosNode":
-                from_node = self.name("a reference to a node")
+                component.from_node = self.name("a reference to a node")
             elif key == "RosParameters":
-                parameters += len(self.block(partial(self.skip_parameter, "RosParameter")))
+                component.parameters += len(
+                    self.block(partial(self.skip_parameter, "RosParameter"))
+                )
             else:
                 section = _SYSTEM_SECTIONS.get(key) or _SECTIONS_OF_2018[key]
-                interfaces += self.block(partial(self._system_interface, section))
-        return Component(name, namespace, from_node, tuple(interfaces), parameters, place)
+                component.interfaces += self.block(partial(self._system_interface, section))
+        return component
 
     def _system_interface(self, section: Section) -> SystemInterface:
         place = self.place()
@@ -243,68 +233,62 @@ class BraceReader(Cursor):
         """Read the packages of a file."""
         self.expect("PackageSet")
         opened = self.open()
-        packages: list[Package] = []
+        model = RosModel(self.text.file, "brace")
         if self.accept("package"):
-            packages = self.block(self._package)
+            model.packages = self.block(self._package)
         while self.is_next(*_PACKAGES):
-            packages.append(self._package())
+            model.packages.append(self._package())
             self.accept(",")
         self.close(opened, *_PACKAGES)
-        problems = []
         while self.is_next("}"):
-            problems.append(problem("M004.brace", self.place()))
+            model.problems.append(problem("M004.brace", self.place()))
             self.expect("}")
         self.expect_end("package set")
-        return RosModel(self.text.file, "brace", tuple(packages), tuple(problems))
+        return model
 
     def _package(self) -> Package:
         self.expect(*_PACKAGES)
-        name = self.name("the name of the package")
+        package = Package(self.name("the name of the package"))
         opened = self.open()
-        artifacts: list[Artifact] = []
-        specs: list[Spec] = []
         known = ("FromGitRepo", "Specs", "Artifact", "Dependencies")
         for key in self.keys(opened, known, "spec", "artifact", "dependency"):
             if key == "FromGitRepo":
                 self.name("the address of a repository")
             elif key in ("Specs", "spec"):
-                specs += self.block(self._spec)
+                package.specs += self.block(self._spec)
             elif key == "artifact":
-                artifacts += self.block(self._artifact)
+                package.artifacts += self.block(self._artifact)
             elif key == "Artifact":
-                artifacts.append(self._named_artifact())
+                package.artifacts.append(self._named_artifact())
                 self.accept(",")
             else:
                 self.skip_group()
-        return Package(name, tuple(artifacts), tuple(specs))
+        return package
 
     def _artifact(self) -> Artifact:
         self.expect("Artifact")
         return self._named_artifact()
 
     def _named_artifact(self) -> Artifact:
-        name = self.name("the name of the artifact")
+        artifact = Artifact(self.name("the name of the artifact"))
         opened = self.open()
         self.accept("node")
-        has_node = self.accept("Node") is not None
-        artifact = self._node(name) if has_node else Artifact(name)
-        self.close(opened, *(() if has_node else ("Node",)))
+        if self.accept("Node"):
+            self._node(artifact)
+        self.close(opened, *(() if artifact.node is not None else ("Node",)))
         return artifact
 
-    def _node(self, artifact: str) -> Artifact:
+    def _node(self, artifact: Artifact) -> None:
         opened = self.open()
-        node = self.named("the node")
-        interfaces: list[Interface] = []
-        parameters = 0
+        artifact.node = self.named("the node")
         of_one = ("parameter", *SECTIONS)
         for key in self.keys(opened, (*_MODEL_SECTIONS, "Parameters"), *of_one):
             if key in ("Parameters", "parameter"):
-                parameters += len(self.block(partial(self.skip_parameter, "Parameter")))
+                artifact.parameters += len(self.block(partial(self.skip_parameter, "Parameter")))
             else:
                 section = _MODEL_SECTIONS.get(key) or SECTIONS[key]
-                interfaces += self.block(partial(self._interface, section))
+                artifact.interfaces += self.block(partial(self._interface, section))
             self.accept(",")
-        return Artifact(artifact, node, tuple(interfaces), parameters)
 
     def _interface(self, section: Section) -> Interface:
         place = self.place()

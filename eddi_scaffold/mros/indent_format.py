@@ -26,14 +26,7 @@ from eddi_scaffold.mros.model import (
     System,
     SystemInterface,
 )
-from eddi_scaffold.mros.text import (
-    EMPTY_FILE,
-    FOREIGN_FORMAT,
-    SPEC_PARTS,
-    Text,
-    alternatives,
-    quoted,
-)
+from eddi_scaffold.mros.text import SPEC_PARTS, Text, alternatives, quoted
 
 _ARROWS = {section.arrow: section.kind for section in SECTIONS.values()}
 _FROM = {f"from{arrow.removesuffix('->')}": kind for arrow, kind in _ARROWS.items()}
@@ -89,45 +82,31 @@ class IndentReader:
         """Read a system; the YAML of rossdl is refused."""
         lines = blocks_of(self.text)
         if not lines:
-            raise self.text.error(0, "there is nothing but comments in this file", EMPTY_FILE)
+            raise self.text.error(0, "there is nothing but comments in this file", "empty")
         first = lines[0]
         words = LineCursor(self.text, first)
         name = words.key("the system name")
         if any(line.tokens[0][1].lower() == "systems" for line in first.below):
             message = "this is a system in the YAML of rossdl, not a .rossystem"
-            raise self.text.error(0, message, FOREIGN_FORMAT, "rossdl")
+            raise self.text.error(0, message, "rossdl")
         words.end()
-        components: list[Component] = []
-        connections: list[Connection] = []
-        subsystems: list[SubSystem] = []
-        from_file = None
-        processes = 0
+        system = System(self.text.file, "indent", name, problems=self.problems)
         for key, rest, line in self._known(first, _SYSTEM):
             if key == "fromfile":
-                from_file = rest.name("a file name")
+                system.from_file = rest.name("a file name")
             elif key == "subsystems":
-                subsystems += map(self._subsystem, line.below)
+                system.subsystems += map(self._subsystem, line.below)
             elif key == "processes":
-                processes += len(line.below)
+                system.processes += len(line.below)
             elif key == "nodes":
-                components += map(self._component, line.below)
+                system.components += map(self._component, line.below)
             elif key == "connections":
-                connections += map(self._connection, line.below)
+                system.connections += map(self._connection, line.below)
             rest.end()
         if len(lines) > 1:
             message = "one file holds one system: expected end of file"
             raise self.text.error(lines[1].offset, message)
-        return System(
-            self.text.file,
-            "indent",
-            name,
-            tuple(components),
-            tuple(connections),
-            tuple(subsystems),
-            from_file,
-            processes,
-            problems=tuple(self.problems),
-        )
+        return system
 
     def _subsystem(self, line: Line) -> SubSystem:
         words = LineCursor(self.text, line)
@@ -138,21 +117,19 @@ class IndentReader:
 
     def _component(self, line: Line) -> Component:
         name, place = self._heading(line, "the name of a node")
-        from_node = namespace = None
-        interfaces: list[SystemInterface] = []
-        parameters = 0
+        component = Component(name, place)
         for key, rest, inner in self._known(line, _NODE):
             if key == "from":
-                from_node = rest.name("package.node")
+                component.from_node = rest.name("package.node")
             elif key == "namespace":
-                namespace = rest.name("a namespace")
+                component.namespace = rest.name("a namespace")
             elif key == "interfaces":
-                interfaces += map(self._system_interface, inner.below)
+                component.interfaces += map(self._system_interface, inner.below)
             else:
-                parameters += len(inner.below)
+                component.parameters += len(inner.below)
                 skip_block(self.text, inner)
             rest.end()
-        return Component(name, namespace, from_node, tuple(interfaces), parameters, place)
+        return component
 
     def _system_interface(self, line: Line) -> SystemInterface:
         words = LineCursor(self.text, line)
@@ -191,44 +168,38 @@ class IndentReader:
 
     def model(self) -> RosModel:
         """Read the packages of a file."""
-        packages = tuple(self._package(line) for line in blocks_of(self.text))
-        return RosModel(self.text.file, "indent", packages, tuple(self.problems))
+        packages = [self._package(line) for line in blocks_of(self.text)]
+        return RosModel(self.text.file, "indent", packages, self.problems)
 
     def _package(self, line: Line) -> Package:
-        name, _ = self._heading(line, "a package name")
-        artifacts: list[Artifact] = []
-        specs: list[Spec] = []
+        package = Package(self._heading(line, "a package name")[0])
         for key, rest, inner in self._known(line, _PACKAGE):
             if key == "artifacts":
-                artifacts += map(self._artifact, inner.below)
+                package.artifacts += map(self._artifact, inner.below)
                 rest.end()
             elif key in _SPEC_KINDS:
-                specs += [self._spec(spec, _SPEC_KINDS[key]) for spec in inner.below]
+                package.specs += [self._spec(spec, _SPEC_KINDS[key]) for spec in inner.below]
             else:
                 skip_block(self.text, inner)
             rest.skip()  # a real file has `specs:Vector3`
-        return Package(name, tuple(artifacts), tuple(specs))
+        return package
 
     def _artifact(self, line: Line) -> Artifact:
-        name, _ = self._heading(line, "the name of an artifact")
-        node = None
-        interfaces: list[Interface] = []
-        parameters = 0
+        artifact = Artifact(self._heading(line, "the name of an artifact")[0])
         blocks = [line]
         for block in blocks:
             for key, rest, inner in self._known(block, _ARTIFACT):
                 if key == "node":
-                    node = rest.name("the name of the node")
+                    artifact.node = rest.name("the name of the node")
                     blocks.append(inner)  # its sections may be indented deeper than itself
                 elif key in _SECTIONS:
-                    interfaces += [self._interface(entry, _SECTIONS[key]) for entry in inner.below]
+                    kind = _SECTIONS[key]
+                    artifact.interfaces += [self._interface(each, kind) for each in inner.below]
                 else:
-                    parameters += len(inner.below)
+                    artifact.parameters += len(inner.below)
                     skip_block(self.text, inner)
                 rest.end()
-        if node is None:
-            return Artifact(name)
-        return Artifact(name, node, tuple(interfaces), parameters)
+        return artifact
 
     def _interface(self, line: Line, kind: InterfaceKind) -> Interface:
         name, place = self._heading(line, "the name of an interface")

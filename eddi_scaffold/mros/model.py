@@ -7,7 +7,7 @@ written (``pkg.Type``, ``pkg/msg/Type``).
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from eddi_scaffold.common.problems import Place, Problem
@@ -64,16 +64,16 @@ class SystemInterface:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Component:
     """One running node."""
 
     name: str
-    namespace: str | None
-    from_node: str | None  # `package.artifact.node` or `package.node` that it is an instance of
-    interfaces: tuple[SystemInterface, ...]
-    parameters: int  # how many parameters are set
     place: Place
+    namespace: str | None = None
+    from_node: str | None = None  # `package.artifact.node` or `package.node` that it is one of
+    interfaces: list[SystemInterface] = field(default_factory=list)
+    parameters: int = 0  # how many parameters are set
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,21 +95,21 @@ class SubSystem:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class System:
     """A ``.rossystem``: which components run, under which names."""
 
     file: str  # its name, as the reader was given it
     dialect: Dialect
     name: str
-    components: tuple[Component, ...]
-    connections: tuple[Connection, ...]
-    subsystems: tuple[SubSystem, ...] = ()
+    components: list[Component] = field(default_factory=list)
+    connections: list[Connection] = field(default_factory=list)
+    subsystems: list[SubSystem] = field(default_factory=list)
     from_file: str | None = None  # the file that the system refers to
     processes: int = 0  # how many processes are listed
     # components are names of `.componentinterface` files (2018 to 2021)
     references_only: bool = False
-    problems: tuple[Problem, ...] = ()  # what was not read, though the rest was
+    problems: list[Problem] = field(default_factory=list)  # what was not read, though the rest was
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,13 +130,13 @@ class Interface:
         return f"{match[1]}/{match[2]}" if match else None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Artifact:
     """An executable; the name of its node, if it has one, and what that offers and needs."""
 
     name: str
     node: str | None = None
-    interfaces: tuple[Interface, ...] = ()
+    interfaces: list[Interface] = field(default_factory=list)
     parameters: int = 0
 
 
@@ -159,20 +159,20 @@ class Spec:
     sections: tuple[tuple[str, tuple[Field, ...]], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Package:
     """A ROS package: executables and message specifications."""
 
     name: str
-    artifacts: tuple[Artifact, ...]
-    specs: tuple[Spec, ...]
+    artifacts: list[Artifact] = field(default_factory=list)
+    specs: list[Spec] = field(default_factory=list)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class RosModel:
     """A ``.ros``, ``.ros1`` or ``.ros2`` file."""
 
     file: str
     dialect: Dialect
-    packages: tuple[Package, ...]
-    problems: tuple[Problem, ...] = ()
+    packages: list[Package] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem, shortened_list
 from eddi_scaffold.mros.model import (
     SECTIONS,
     Artifact,
@@ -90,64 +90,41 @@ class Models:
             artifacts.setdefault(node.artifact.name, []).append(node)
         return artifacts
 
-    def _nodes_of(self, reference: InterfaceReference) -> list[NodeModel]:
+    def nodes_of(self, reference: InterfaceReference) -> list[NodeModel]:
+        """Return the models of the node that a reference leads to, in reading order."""
         return [
             model
             for model in self._by_artifact.get(reference.artifact, ())
             if not reference.package or (reference.package, reference.node) == model.name
         ]
 
-    def find(
-        self, reference: InterfaceReference, kind: InterfaceKind
-    ) -> list[tuple[NodeModel, Interface]]:
-        """Return the definitions that a reference can mean, in reading order."""
-        return [
-            (model, interface)
-            for model in self._nodes_of(reference)
-            for interface in model.artifact.interfaces
-            if interface.kind == kind and interface.name == reference.interface
-        ]
-
-    def undefined(
-        self, reference: InterfaceReference, kind: InterfaceKind, place: Place
-    ) -> Problem:
-        """Explain why a reference leads nowhere."""
-        models = self._nodes_of(reference)
+    def undefined(self, reference: InterfaceReference, listed: SystemInterface) -> Problem:
+        """Explain why the reference of an interface leads nowhere."""
+        models = self.nodes_of(reference)
         if not models:
-            what, name, known = "artifact", reference.artifact, {*self._by_artifact}
-            if reference.package:
-                name = f"{reference.package}.{reference.artifact}.{reference.node}"
-                what, known = "node", self._dotted()
-            reason, hint = f"no model defines the {what} {name!r}", self._hint(name, known)
-            return problem("M009.undefined", place, hint=hint, reason=reason)
-        interfaces = [interface for model in models for interface in model.artifact.interfaces]
-        others = sorted({same.kind for same in interfaces if same.name == reference.interface})
-        where, title = f"{models[0].artifact.name} ({models[0].file})", SECTIONS[kind].title
-        if others:
-            actual = " and ".join(SECTIONS[other].title for other in others)
-            reason = f"{reference.interface!r} of {where} is {actual}, not {title}"
-            return problem("M009.undefined", place, reason=reason)
-        names = sorted({interface.name for interface in interfaces if interface.kind == kind})
-        there = f"there are: {', '.join(names)}" if names else "there is none at all"
-        hint = did_you_mean(reference.interface, names) or there
-        reason = f"{where} has no {title.partition(' ')[2]} {reference.interface!r}"
-        return problem("M009.undefined", place, hint=hint, reason=reason)
+            name = listed.ref.removesuffix(f".{reference.interface}").partition("::")[0]
+            reason = f"no model defines {name!r}"
+            return problem("M009.undefined", listed.place, hint=self.hint(name), reason=reason)
+        names = sorted({
+            interface.name
+            for model in models
+            for interface in model.artifact.interfaces
+            if interface.kind == listed.kind
+        })  # fmt: skip
+        title = SECTIONS[listed.kind].title.partition(" ")[2]
+        where = f"{models[0].artifact.name} ({models[0].file})"
+        reason = f"{where} has no {title} {reference.interface!r}"
+        hint = did_you_mean(reference.interface, names) or f"there are: {shortened_list(names)}"
+        return problem("M009.undefined", listed.place, hint=hint, reason=reason)
 
-    def hint_for_node(self, name: str) -> str | None:
-        """Return what helps who named a node in ``from:`` that no file defines."""
-        if name.count(".") > 1:
-            return self._hint(name, self._dotted())
-        return self._hint(name, {".".join(node) for node in self.by_name})
-
-    def _dotted(self) -> set[str]:
-        return {f"{node.package}.{node.artifact.name}.{node.artifact.node}" for node in self.nodes}
-
-    def _hint(self, name: str, known: Collection[str]) -> str | None:
-        similar = did_you_mean(name, known)
-        if not self.skipped:
-            return similar
-        skipped = f"could not be read: {', '.join(self.skipped)}"
-        return f"{similar} ({skipped})" if similar else skipped
+    def hint(self, name: str) -> str | None:
+        """Return which node or artifact is most like a name, and which files could not be read."""
+        known = {*self._by_artifact, *map(".".join, self.by_name)}
+        known |= {
+            f"{node.package}.{node.artifact.name}.{node.artifact.node}" for node in self.nodes
+        }
+        skipped = f"could not be read: {', '.join(self.skipped)}" if self.skipped else None
+        return "; ".join(filter(None, (did_you_mean(name, known), skipped))) or None
 
 
 @dataclass(frozen=True)
@@ -224,7 +201,7 @@ class Resolver:
             if not node:
                 reason = f"the node {component.name!r} has no 'from:', so its model is not known"
             case = "M007.listed_only" if component.interfaces else "M007.nothing_listed"
-            hint = self._known.hint_for_node(node)
+            hint = self._known.hint(node)
             self.problems.append(problem(case, component.place, hint=hint, reason=reason))
         elif len({_interfaces(model) for model in models}) > 1:
             files = ", ".join(dict.fromkeys(model.file for model in models))
@@ -251,11 +228,16 @@ class Resolver:
         if reference is None:
             self.problems.append(problem("M009.short", place, ref=listed.ref))
             return name
-        every = self._known.find(reference, listed.kind)
+        every = [
+            (model, interface)
+            for model in self._known.nodes_of(reference)
+            for interface in model.artifact.interfaces
+            if (interface.kind, interface.name) == name
+        ]
         own = {model.name for model in models}
         definitions = [pair for pair in every if pair[0].name in own] or every
         if not definitions:
-            self.problems.append(self._known.undefined(reference, listed.kind, place))
+            self.problems.append(self._known.undefined(reference, listed))
             return name
         interfaces = [interface for _, interface in definitions]
         if len({interface.ros_type or interface.type for interface in interfaces}) > 1:

@@ -7,7 +7,7 @@ from typing import Any
 
 from eddi_scaffold.common.problems import Problem, plural
 from eddi_scaffold.mros.model import SECTIONS, Field, RosModel, System
-from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
+from eddi_scaffold.mros.text import MrosSyntaxError
 
 Json = Any
 
@@ -76,13 +76,14 @@ def _field(field: Field) -> list[str]:
 def failure_json(failed: MrosSyntaxError) -> dict[str, Json]:
     """Return why a file cannot be read, without the problem itself."""
     dialect = {"dialect": failed.dialect} if failed.dialect else {}
-    if failed.case in (FOREIGN_FORMAT, EMPTY_FILE):
-        return {"result": "refuse", **dialect, "why": failed.format or "empty"}
-    place = {"line": failed.line, "col": failed.col}
-    return {"result": "error", **dialect, **place, "msg": failed.message}
+    if failed.why:
+        return {"result": "refuse", **dialect, "why": failed.why}
+    (fault,) = failed.problems
+    place = {"line": fault.place.line, "col": fault.place.col}
+    return {"result": "error", **dialect, **place, "msg": fault.message}
 
 
-def _warnings(problems: tuple[Problem, ...]) -> dict[str, Json]:
+def _warnings(problems: list[Problem]) -> dict[str, Json]:
     rows = [[reported.place.line, reported.place.col, reported.code] for reported in problems]
     return {"warnings": rows} if rows else {}
 

@@ -5,37 +5,28 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final, Literal, NoReturn
+from dataclasses import replace
+from typing import NoReturn
 
-from eddi_scaffold.common.problems import Place, most_similar
+from eddi_scaffold.common.problems import EddiError, Place, Problem, most_similar, problem
 from eddi_scaffold.mros.model import Dialect, Field
 
-Case = Literal["M001.syntax", "M001.empty", "M001.foreign"]
-SYNTAX: Final = "M001.syntax"
-EMPTY_FILE: Final = "M001.empty"
-FOREIGN_FORMAT: Final = "M001.foreign"
 STRING = r"""(?P<string>"(?:[^"\\]|\\[\s\S])*"|'(?:[^'\\]|\\[\s\S])*')"""
 SPEC_PARTS = ("message", "request", "response", "goal", "result", "feedback")
 _ESCAPE = re.compile(r"\\([\s\S])")
 
 
-@dataclass(eq=False)
-class MrosSyntaxError(ValueError):
-    """A file cannot be read."""
+class MrosSyntaxError(EddiError):
+    """A file cannot be read.
 
-    file: str  # name of the file, as it was given
-    line: int  # counted from 1
-    col: int  # character in the line, counted from 1
-    message: str  # what is wrong, and what was expected
-    source_line: str = ""  # text of the line
-    # `SYNTAX`, `FOREIGN_FORMAT` (another language of the family) or `EMPTY_FILE`
-    case: Case = SYNTAX
-    format: str = ""  # of a foreign format, `xmi` or `rossdl`; else `""`
-    dialect: Dialect | None = None  # `brace` or `indent` where that was known already
+    Attributes:
+        why: ``empty``, the foreign format (``xmi``, ``rossdl``), or empty for a syntax error.
+        dialect: ``brace`` or ``indent`` where that was known already.
+    """
 
-    def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.col}: {self.message}"
+    def __init__(self, problem: Problem, why: str, dialect: Dialect | None) -> None:
+        super().__init__(problem)
+        self.why, self.dialect = why, dialect
 
 
 class Text:
@@ -53,19 +44,13 @@ class Text:
         line = bisect_right(self._starts, offset)
         return Place(self.file, line, offset - self._starts[line - 1] + 1)
 
-    def error(
-        self,
-        offset: int,
-        message: str,
-        case: Case = SYNTAX,
-        format: str = "",  # noqa: A002 - the name of the field
-    ) -> MrosSyntaxError:
-        """Return the error at a character."""
-        line = bisect_right(self._starts, offset)
-        start = self._starts[line - 1]
-        quoted_line = self.text[start:].partition("\n")[0].rstrip("\r")
-        place = (self.file, line, offset - start + 1)
-        return MrosSyntaxError(*place, message, quoted_line, case, format, self.dialect)
+    def error(self, offset: int, reason: str, why: str = "") -> MrosSyntaxError:
+        """Return the error at a character; ``why`` is that of :class:`MrosSyntaxError`."""
+        place = self.place(offset)
+        case = {"": "M001.syntax", "empty": "M001.empty"}.get(why, "M001.foreign")
+        excerpt = self.text.split("\n")[(place.line or 1) - 1].rstrip("\r")
+        fault = replace(problem(case, place, reason=reason), excerpt=excerpt)
+        return MrosSyntaxError(fault, why, self.dialect)
 
 
 def decoded(source: str | bytes, file: str) -> Text:

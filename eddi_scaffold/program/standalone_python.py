@@ -24,7 +24,6 @@ from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.program.instructions import BUFFERED, WINDOWS, Read
 from eddi_scaffold.program.python_step import CLASSES, class_lines
 from eddi_scaffold.program.standalone import HEADER, StandaloneMonitor, region
-from eddi_scaffold.program.three_valued import BoolVal, NumVal
 
 _NOQA = re.compile(r"\s*# noqa.*$", re.MULTILINE)
 _MODULES = {
@@ -49,7 +48,6 @@ def python_module(model: StandaloneMonitor) -> dict[str, str]:
         period=model.program.period,
         variables=_text(_variables(model)),
         functions=_functions(model),
-        types=f"{_source(BoolVal)}\n\n{_source(NumVal)}",
         unknown=repr((1,) * len(model.events)),
         returned="the number, NaN for UNKNOWN" if model.numeric else "event -> BoolVal",
         readings=_text(readings),

@@ -4,7 +4,7 @@ A scalar stays the text that was written, together with the fact whether it was 
 plain scalar *means* is decided here: text, number or Boolean as YAML 1.2 has it
 (:func:`as_text` and its neighbours), or the value of YAML 1.1 (:func:`value_11`), which ROS and
 ``eddi_config.yml`` follow. Documents are read event by event without recursion, so that alias
-bombs, recursive aliases and deep nesting are a message like any other mistake.
+bombs and deep nesting are a message like any other mistake.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["Verbatim", "dump_plain", "quoted"]
 
 MAX_BYTES = 16 * 1024 * 1024
-MAX_VISITS = 1_000_000
+MAX_ALIASED = 1_000_000  # nodes
 MAX_DEPTH = 32
 MAX_DIGITS = 64
 _CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
@@ -165,26 +165,38 @@ def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]
         The root node and the problems; the node is ``None`` where the document cannot be
         understood at all, and present when only keys are repeated (which is an error too).
     """
-    composer = _Composer(source.name, code)
-    try:
-        return composer.compose(source), composer.problems
-    except EddiError as refused:
-        return None, [*composer.problems, *refused.problems]
+    roots, problems = _documents(source, code)
+    return roots[0] if roots else None, problems
 
 
-def read_maps(source: Source, code: str) -> tuple[list[Map], list[Problem]]:
+def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
+    """Read the one document of a YAML file whose top level must be a map."""
+    maps, problems = read_maps(source, code, has_many=False)
+    return maps[0] if maps else None, problems
+
+
+def read_maps(
+    source: Source, code: str, *, has_many: bool = True
+) -> tuple[list[Map], list[Problem]]:
     """Read all documents of a YAML file; the top level of each must be a map."""
-    composer = _Composer(source.name, code, has_many=True)
+    roots, problems = _documents(source, code, has_many=has_many)
+    maps = [root for root in roots if isinstance(root, Map)]
+    for root in roots:
+        if not isinstance(root, Map):
+            reason = f"the top level must be a map, not {describe(root)}"
+            problems.append(problem(f"{code}.yaml", root.place, reason=reason))
+    return maps, problems
+
+
+def _documents(
+    source: Source, code: str, *, has_many: bool = False
+) -> tuple[list[Node], list[Problem]]:
+    composer = _Composer(source.name, code, has_many=has_many)
     try:
         composer.compose(source)
     except EddiError as refused:
         return [], [*composer.problems, *refused.problems]
-    maps = [root for root in composer.roots if isinstance(root, Map)]
-    for root in composer.roots:
-        if not isinstance(root, Map):
-            reason = f"the top level must be a map, not {describe(root)}"
-            composer.problems.append(problem(f"{code}.yaml", root.place, reason=reason))
-    return maps, composer.problems
+    return composer.roots, composer.problems
 
 
 def map_of(place: Place, nodes: Mapping[str, Node | str | None]) -> Map:
@@ -195,15 +207,6 @@ def map_of(place: Place, nodes: Mapping[str, Node | str | None]) -> Map:
             value = Scalar(node, plain=True, place=place) if isinstance(node, str) else node
             entries.append((Scalar(key, plain=True, place=place), value))
     return Map(tuple(entries), place)
-
-
-def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
-    """Read the one document of a YAML file whose top level must be a map."""
-    node, problems = read_document(source, code)
-    if node is not None and not isinstance(node, Map):
-        reason = f"the top level must be a map, not {describe(node)}"
-        return None, [*problems, problem(f"{code}.yaml", node.place, reason=reason)]
-    return node, problems
 
 
 def items_of(node: Node | None) -> tuple[Node, ...]:
@@ -262,20 +265,7 @@ def _scalar_11(text: str) -> Any:
 
 
 _TOO_DEEP = f"nested deeper than the limit of {MAX_DEPTH}"
-_NOT = "put the text in quotes, and write NOT for `!`"
-_NO_COLON = "could not find expected ':'"
-_HINTS = {
-    "alias": "put the text with `*` in quotes",
-    r"\n.*[:,\[-]\s+%": "write `percent`, or put the text in quotes",
-    r"\n.*[:,\[-]\s+!": _NOT,
-    r"\n.*:\s+>=?\s*[-+.0-9]": "`>` begins a block: write `at least 20 %`, or put it in quotes",
-    _NO_COLON: "put a colon and a blank after the key",
-    "mapping values are not allowed": (
-        "indent the keys of one map alike; put a text with a colon in quotes"
-    ),
-    "did not find expected ',' or": "close it, or put a text with brackets or a comma in quotes",
-}
-"""In what the parser says, or behind it in the line of the file -> what to do."""
+_QUOTE = "put a text with `: # % & * ! | > [ ] { } ,` in quotes, and indent with blanks"
 _RESOLVE = (
     "keep what is right of both sides, and delete the lines of `<<<<<<<`, `=======`, `>>>>>>>`"
 )
@@ -289,8 +279,15 @@ class _Open:
     is_map: bool
     anchor: str | None
     children: list[Node] = field(default_factory=list)
-    visits: int = 1
-    depth: int = 0
+
+
+def _measured(node: Node) -> tuple[int, int]:
+    """Return the number of nodes and of levels in a node."""
+    children = items_of(node)
+    if isinstance(node, Map):
+        children = tuple(value for _, value in node.entries)
+    measures = [_measured(child) for child in children]
+    return 1 + sum(count for count, _ in measures), 1 + max((n for _, n in measures), default=0)
 
 
 class _Composer:
@@ -300,10 +297,11 @@ class _Composer:
         self.name, self.code, self.has_many = name, code, has_many
         self.problems: list[Problem] = []
         self.open: list[_Open] = []
-        self.anchors: dict[str, tuple[Node, int, int] | None] = {}
+        self.anchors: dict[str, Node] = {}
+        self.aliased = 0  # nodes in all that aliases stand for
         self.roots: list[Node] = []
 
-    def compose(self, source: Source) -> Node:
+    def compose(self, source: Source) -> None:
         if len(source.data) > MAX_BYTES:
             reason = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
             raise self._fault(reason, Place(source.name))
@@ -321,7 +319,6 @@ class _Composer:
             raise self._fault(message, Place(self.name, len(lines), len(lines[-1]) + 1)) from None
         if not self.roots:
             raise self._fault("the file contains no document", Place(self.name, 1, 1))
-        return self.roots[0]
 
     def _fault(self, reason: str, place: Place, hint: str | None = None) -> EddiError:
         return EddiError(problem(f"{self.code}.yaml", place, hint=hint, reason=reason))
@@ -339,67 +336,47 @@ class _Composer:
             if line.startswith("<<<<<<< "):
                 message = "a merge conflict that nobody has resolved begins here"
                 return self._fault(message, Place(self.name, number, 1), _RESOLVE)
-        line = lines[-1] if mark is not None and len(lines) > mark.line else ""
-        if re.match(r" *\t", line):
-            message = "this is not YAML: a tab indents this line"
-            return self._fault(message, place, "indent with spaces")
-        if what == _NO_COLON and failure.context_mark:
-            place = self._place(failure.context_mark)  # of the key; the other is below it
-        parts = ": ".join(part for part in (failure.context, failure.problem) if part)
-        clues = f"{parts}\n{line}"
-        hint = next((hint for clue, hint in _HINTS.items() if re.search(clue, clues)), None)
-        return self._fault(f"this is not YAML: {parts}", place, hint)
+        reason = ": ".join(part for part in (failure.context, what) if part)
+        return self._fault(f"this is not YAML: {reason}", place, _QUOTE)
 
     def _take(self, event: Any) -> None:
         place = self._place(event.start_mark)
         if getattr(event, "tag", None) is not None and event.tag not in _CORE_TAGS:
-            hint = _NOT if event.tag.startswith("!") else None
-            raise self._fault(f"the tag {event.tag!r} is not supported here", place, hint)
+            raise self._fault(f"the tag {event.tag!r} is not supported here", place, _QUOTE)
         if isinstance(event, yaml.ScalarEvent):
             plain = event.style in (None, "") and event.tag is None
-            self._add(Scalar(event.value, plain, place), event.anchor, 1, 0)
+            self._add(Scalar(event.value, plain, place), event.anchor)
         elif isinstance(event, yaml.CollectionStartEvent):
             if len(self.open) >= MAX_DEPTH:
                 raise self._fault(_TOO_DEEP, place)
-            if event.anchor is not None:
-                self.anchors[event.anchor] = None  # an alias to what is still open is recursive
-            is_map = isinstance(event, yaml.MappingStartEvent)
-            self.open.append(_Open(place, is_map, event.anchor))
+            self.anchors.pop(event.anchor, None)  # an alias to what is still open has none
+            self.open.append(_Open(place, isinstance(event, yaml.MappingStartEvent), event.anchor))
         elif isinstance(event, yaml.CollectionEndEvent):
             done = self.open.pop()
-            node: Node = self._map(done) if done.is_map else Items(tuple(done.children), done.place)
-            self._add(node, done.anchor, done.visits, done.depth + 1)
+            node = self._map(done) if done.is_map else Items(tuple(done.children), done.place)
+            self._add(node, done.anchor)
         elif isinstance(event, yaml.AliasEvent):
-            self._alias(str(event.anchor), place)
-        elif isinstance(event, yaml.DocumentStartEvent) and self.roots:
-            if not self.has_many:
+            if event.anchor not in self.anchors:
+                raise self._fault(
+                    f"no node before has the anchor of *{event.anchor}", place, _QUOTE
+                )
+            count, levels = _measured(self.anchors[event.anchor])
+            self.aliased += count
+            if self.aliased > MAX_ALIASED:
+                reason = f"aliases stand for more nodes than the limit of {MAX_ALIASED}"
+                raise self._fault(reason, place)
+            if len(self.open) + levels > MAX_DEPTH + 1:
+                raise self._fault(_TOO_DEEP, place)
+            self._add(self.anchors[event.anchor], None)
+        elif isinstance(event, yaml.DocumentStartEvent):
+            if self.roots and not self.has_many:
                 raise self._fault("the file contains more than one document", place)
             self.anchors.clear()
 
-    def _alias(self, anchor: str, place: Place) -> None:
-        if anchor not in self.anchors:
-            raise self._fault(f"the alias *{anchor} has no anchor", place)
-        anchored = self.anchors[anchor]
-        if anchored is None:
-            raise self._fault(f"the alias *{anchor} is inside the node that it refers to", place)
-        node, visits, depth = anchored
-        if len(self.open) + depth > MAX_DEPTH:
-            raise self._fault(_TOO_DEEP, place)
-        self._add(node, None, visits, depth)
-
-    def _add(self, node: Node, anchor: str | None, visits: int, depth: int) -> None:
+    def _add(self, node: Node, anchor: str | None) -> None:
         if anchor is not None:
-            self.anchors[anchor] = (node, visits, depth)
-        if not self.open:
-            self.roots.append(node)
-            return
-        parent = self.open[-1]
-        parent.children.append(node)
-        parent.visits += visits
-        parent.depth = max(parent.depth, depth)
-        if parent.visits > MAX_VISITS:
-            limit = f"the document has more nodes than the limit of {MAX_VISITS}"
-            raise self._fault(limit, node.place, "aliases count each time that they are used")
+            self.anchors[anchor] = node
+        (self.open[-1].children if self.open else self.roots).append(node)
 
     def _map(self, done: _Open) -> Map:
         entries: dict[str, tuple[Scalar, Node]] = {}
@@ -409,6 +386,5 @@ class _Composer:
             first = entries.setdefault(key.text, (key, value))[0]
             if first is not key:
                 message = f"the key {shown(key.text)} is repeated, first in line {first.place.line}"
-                hint = "a line `---` begins another monitor" if key.text == "Model" else None
-                self.problems += self._fault(message, key.place, hint).problems
+                self.problems += self._fault(message, key.place).problems
         return Map(tuple(entries.values()), done.place)

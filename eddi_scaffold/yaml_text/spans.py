@@ -120,42 +120,33 @@ class TextEditor:
         return text + self.text[done:]
 
 
-_BLANKS = " \t\n\r\x85\u2028\u2029"
 _HEAD_OF_BLOCK = re.compile(f"[|>][^\n\r\x85\u2028\u2029]*(?:{LINE_END.pattern}|$)")
-_CHARACTERS = {
-    "'": re.compile(f"''|[^{_BLANKS}]"),
-    '"': re.compile(rf"\\(?:{LINE_END.pattern}|x.{{2}}|u.{{4}}|U.{{8}}|.)|[^{_BLANKS}]", re.DOTALL),
-}
-"""Quote -> what is written for one character that is not blank, perhaps also for one that is."""
-_BLANK_ESCAPE = re.compile(
-    rf"\\(?:[{_BLANKS}tnrNLP]|[xuU]0*(?:20|9|a|d|85|2028|2029))", re.IGNORECASE
-)
 
 
 def inside_scalar(text: str, start: Place, value: str) -> Callable[[int], Place]:
     """Return offset in a scalar's value -> place in the file, exact for all that is not blank.
 
-    In every style a value has the same characters as its text, except for blanks and line ends.
+    In every style a value has the same characters as its text, except for blanks and line ends;
+    with escapes in it, every place is that of its start.
     """
     line_starts = [0, *(match.end() for match in LINE_END.finditer(text))]
     if start.line is None or start.col is None or start.line > len(line_starts) or not text:
         return lambda _: start
     begin = line_starts[start.line - 1] + start.col - 1
     head = _HEAD_OF_BLOCK.match(text, begin)
-    pattern = _CHARACTERS.get(text[begin : begin + 1])
-    begin = head.end() if head is not None else begin + (pattern is not None)
-    pattern = re.compile(f"[^{_BLANKS}]") if pattern is None else pattern
-    written = (m for m in pattern.finditer(text, begin) if not _BLANK_ESCAPE.fullmatch(m[0]))
+    begin = begin + text.startswith(("'", '"'), begin) if head is None else head.end()
+    written = (k for k in range(begin, len(text)) if not text[k].isspace())
     offsets: list[int] = []
-    behind = begin
     for char in value:
-        match = next(written, None) if char not in _BLANKS else None
-        offsets.append(behind if match is None else match.start())
-        behind = behind if match is None else match.end()
-    offsets.append(behind)
+        offsets.append(begin if char.isspace() else next(written, len(text)))
+        if not char.isspace():
+            if not text.startswith(char, offsets[-1]):
+                return lambda _: start
+            begin = offsets[-1] + 1
+    offsets.append(begin)
 
     def of(offset: int) -> Place:
-        place = offsets[min(offset, len(offsets) - 1)]
+        place = offsets[min(offset, len(value))]
         line = bisect_right(line_starts, place)
         return replace(start, line=line, col=place - line_starts[line - 1] + 1)
 

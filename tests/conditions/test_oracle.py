@@ -14,15 +14,16 @@ from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.standalone import monitor_model
 from eddi_scaffold.conditions.syntax import canonical
 from eddi_scaffold.conditions.tokens import TextFindings, in_text
-from eddi_scaffold.program.running import Engine
+from eddi_scaffold.program.running import Engine, module_of
 from eddi_scaffold.program.standalone_python import python_module
-from eddi_scaffold.program.three_valued import BoolVal, NumVal
 from tests.conditions import c_program
 from tests.conditions.formulas import Step
 from tests.data_files import data_file
 
 TYPES = {"num": NUMBER, "bool": BOOL}
 TRUTH = {"F": 0, "U": 1, "T": 2}
+MONITOR: Any = module_of(*python_module(monitor_model(analyse("TRUE"), "m")).values(), "m")
+BoolVal, NumVal = MONITOR.BoolVal, MONITOR.NumVal
 WORDS = {"and": "AND", "or": "OR", "xor": "XOR", "equal": "==", "implies": "IMPLIES"}
 
 
@@ -62,7 +63,7 @@ def test_truth_tables(oracle: Any, word: str) -> None:
         assert table[word](a, b).truth == TRUTH[result]
 
 
-def by_types(op: str, item: NumVal, other: NumVal) -> NumVal | BoolVal:
+def by_types(op: str, item: Any, other: Any) -> Any:
     return {
         "input": lambda: item,
         "+": lambda: item + other,

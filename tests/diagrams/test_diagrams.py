@@ -122,12 +122,12 @@ def test_long_labels_are_wrapped_and_cut() -> None:
     assert label_of(DiagramNode("a", (words,))) == ("the speed of the vehicle in", "front of us")
 
 
-def test_edges_across_very_many_layers_have_no_bends() -> None:
+def test_edges_across_many_layers_have_no_bends() -> None:
     """One node above a chain: with a bend in each layer there would be 180,000."""
     count = 600
     chain = [(k, k + 1) for k in range(count - 1)]
     layers = layered(count, [*chain, *((0, k) for k in range(2, count))])
-    assert sum(map(len, layers.rows)) < 40 * count
+    assert sum(map(len, layers.rows)) < 2 * count
     assert layers.chains[count - 1] == (0, count, 2)
     assert layers.chains[-1] == ()
 

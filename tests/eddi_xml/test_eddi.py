@@ -115,9 +115,7 @@ def test_other_files_ids_and_what_is_no_reference(text: str, case: str | None) -
 def test_names_with_points_are_told_from_indices() -> None:
     doc = document("<r><a.b><c/></a.b><a.0/></r>")
     assert doc.references.path(doc.roots[0][0][0]) == "//@a.b.0/@c.0"
-    assert doc.references.explain(Fragment(0, "/@c.0")) == (
-        '/ has no "c.0", it has "a.b" (1), "a.0" (1)'
-    )
+    assert doc.references.explain(Fragment(0, "/@c.0")) == '/ has no "c.0"'
 
 
 NAMES = st.sampled_from(["a", "b", "c_", "D", "consert"])

@@ -7,29 +7,27 @@ from tests.eddi_xml.eddi_texts import ROVER, codes, parsed, read, texts
 BOM = b"\xef\xbb\xbf"
 
 
-CUT_OFF = "the file is cut off: the end tag of the first element is missing"
 MISMATCH = "Opening and ending tag mismatch: "
 START = "Start tag expected, '<' not found"
 BROKEN = [
-    (b"<a>\n  <b>\n  </d>\n</a>", 3, f"{MISMATCH}b line 2 and d", None),
-    (b"<a>\n  <b/>\n", 3, "Premature end of data in tag a line 1", CUT_OFF),
-    (b'<!-- c -->\n<?xml version="1.0"?>\n<a/>', 2, "XML declaration allowed only", None),
-    (b"<!-- c -->\n" + BOM + b'<?xml version="1.0"?>\n<a/>', 2, START, None),
+    (b"<a>\n  <b>\n  </d>\n</a>", 3, f"{MISMATCH}b line 2 and d"),
+    (b"<a>\n  <b/>\n", 3, "Premature end of data in tag a line 1"),
+    (b'<!-- c -->\n<?xml version="1.0"?>\n<a/>', 2, "XML declaration allowed only"),
+    (b"<!-- c -->\n" + BOM + b'<?xml version="1.0"?>\n<a/>', 2, START),
     # the parser warns of the name first
-    (b'<a xmlns="drone">\n  <b/>\n</c>', 3, f"{MISMATCH}a line 1 and c", None),
-    (b"", 1, "Document is empty", "the file is empty"),
-    (b"guarantees: []\n", 1, START, "this is not an XML file"),
-    (b'<a b="1" b="2"/>', 1, "Attribute b redefined", None),
-    (b'<?xml version="1.0" encoding="ASCII"?><a b="\xc3\xa9"/>', 1, "Invalid bytes", None),
+    (b'<a xmlns="drone">\n  <b/>\n</c>', 3, f"{MISMATCH}a line 1 and c"),
+    (b"", 1, "Document is empty"),
+    (b"guarantees: []\n", 1, START),
+    (b'<a b="1" b="2"/>', 1, "Attribute b redefined"),
+    (b'<?xml version="1.0" encoding="ASCII"?><a b="\xc3\xa9"/>', 1, "Invalid bytes"),
 ]
 
 
-@pytest.mark.parametrize(("data", "line", "reason", "hint"), BROKEN)
-def test_not_well_formed(data: bytes, line: int, reason: str, hint: str | None) -> None:
+@pytest.mark.parametrize(("data", "line", "reason"), BROKEN)
+def test_not_well_formed(data: bytes, line: int, reason: str) -> None:
     (problem,) = read(data)[1]
     assert (problem.code, problem.level, problem.place.line) == ("X001", "error", line)
     assert problem.message.startswith(f"not well-formed: {reason}")
-    assert problem.hint is None if hint is None else str(problem.hint).startswith(hint)
     assert problem.place.col is not None
 
 

@@ -132,7 +132,7 @@ def test_a_misspelt_model_is_told_with_the_nearest(
     assert [(p.level, p.hint) for p in found] == [("warning", hint), ("error", hint)]
     (lasers / "broken.ros1").write_text("laser:\n  artifacts\n", "utf-8")
     _, problems = outputs_of(lasers / "robot.rossystem", lasers)
-    wanted = "could not be read: broken.ros1" if hint is None else f"{hint} (could not be read: "
+    wanted = "could not be read: broken.ros1" if hint is None else f"{hint}; could not be read: "
     assert all((p.hint or "").startswith(wanted) for p in problems if p.code == "M007")
 
 

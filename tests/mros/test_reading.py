@@ -46,15 +46,14 @@ def test_the_errors_of_damaged_texts() -> None:
         reader = read_rossystem if case["file"] == "rossystem" else read_ros_models
         try:
             problem = reader(case["text"], "damaged").problems[0]
-            place, message = (problem.place.line, problem.place.col), problem.message
         except MrosSyntaxError as failed:
-            place, message = (failed.line, failed.col), failed.message
+            (problem,) = failed.problems
             lines = [*case["text"].split("\n"), ""]
-            if failed.source_line != lines[failed.line - 1]:
+            if problem.excerpt != lines[(problem.place.line or 1) - 1]:
                 different.append(case["name"])
-        assert place == (case["line"], case["col"]), case["name"]
+        assert (problem.place.line, problem.place.col) == (case["line"], case["col"]), case["name"]
         for word in case["mention"]:
-            assert word in message, case["name"]
+            assert word in problem.message, case["name"]
     assert not different
 
 
@@ -109,10 +108,11 @@ def test_what_is_refused(text: str, old: str, new: str, message: str) -> None:
     reader = read_rossystem if text in (SYSTEM, INDENT_SYSTEM) else read_ros_models
     with pytest.raises(MrosSyntaxError) as refused:
         reader(text.replace(old, new, 1))
-    assert message in refused.value.message
+    assert message in refused.value.problems[0].message
 
 
 def test_bytes_that_are_no_text() -> None:
     with pytest.raises(MrosSyntaxError, match="byte 4 ") as refused:
         read_rossystem(b"a:\n \xff")
-    assert (refused.value.line, refused.value.col) == (2, 2)
+    place = refused.value.problems[0].place
+    assert (place.line, place.col) == (2, 2)
