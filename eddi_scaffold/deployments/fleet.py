@@ -27,7 +27,6 @@ from eddi_scaffold.deployments.offers import (
 )
 from eddi_scaffold.deployments.robots import (
     FleetRobot,
-    GuaranteeSource,
     Pair,
     graph_of,
     read_robots,
@@ -156,7 +155,7 @@ def among_others(
             robot = "any" if binding.of_any else entry.robots[0]
             id_ = f"peer_{robot}_{attribute(entry.guarantee)}"
             output = SimulatorOutput(id=id_, type=MESSAGE, topic=shared.topic, peers=entry)
-            sources.append(GuaranteeSource(output, entry.guarantee))
+            sources.append((output, entry.guarantee))
         config = with_demand_inputs(config, binding.demand, sources, shared.lease, binding.place)
     return config
 
@@ -219,14 +218,8 @@ def _place(fleet: Fleet) -> tuple[Platform | None, MeetingPlace | None]:
         platform = first.platform
     else:
         return None, None
-    graph, meeting = graph_of(form, platform), platform.meeting
     is_named = (form.master, form.domain, form.partition) != (None, None, None)
-    if first is None or first.graph is None or meeting is None or is_named:
-        return platform, graph
-    can_be_there = meeting.key == first.graph.key and (
-        meeting.has_partitions or not first.graph.partition
-    )
-    return platform, first.graph if can_be_there else graph
+    return platform, graph_of(form if first is None or is_named else first.form, platform)
 
 
 def _heard(fleet: Fleet) -> list[Fulfilment]:

@@ -24,11 +24,11 @@ from eddi_scaffold.deployments.fleet import (
 from eddi_scaffold.deployments.joining import packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.offers import RobotMonitor
-from eddi_scaffold.deployments.robots import FleetRobot, GuaranteeSource, with_demand_inputs
+from eddi_scaffold.deployments.robots import FleetRobot, with_demand_inputs
 from eddi_scaffold.deployments.support import WiredMonitor, wired
 from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -55,10 +55,8 @@ def read_directly(fleet: Fleet, monitor: RobotMonitor) -> ConfigFile:
             id_ = f"peer_{provider.robot.name}_{attribute(guarantee)}"
             type_ = f"{MESSAGE_PACKAGE}/{provider.bound.kind.output_message}"
             output = SimulatorOutput(id=id_, type=type_, topic=topic(provider))
-            sources.append(GuaranteeSource(output, guarantee))
-        if sources:
-            place = binding.place
-            config = with_demand_inputs(config, binding.demand, sources, shared.lease, place)
+            sources.append((output, guarantee))
+        config = with_demand_inputs(config, binding.demand, sources, shared.lease, binding.place)
     return config
 
 
@@ -89,8 +87,7 @@ def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
         groups.setdefault(robot.graph or robot.name, []).append(robot)
         monitors, of_robot = fleet.bound_monitors(robot, config_of)
         running[robot] = _wired(robot, monitors)
-        problems += [_with_binding(problem, robot) for problem in of_robot]
-        problems += packages_of(monitors, robot.platform, None)[1]
+        problems += [*of_robot, *packages_of(monitors, robot.platform, None)[1]]
     if has_errors(problems):
         return problems
     by_topic = partial(read_directly, fleet)
@@ -110,14 +107,6 @@ def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
 
 def _wired(robot: FleetRobot, monitors: Iterable[BoundMonitor]) -> list[WiredMonitor]:
     return [wired(monitor, robot.form.prefix) for monitor in monitors]
-
-
-def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
-    """Return the warning that nothing provides an input, and what a deployment file can do."""
-    if problem.code != "K014":
-        return problem
-    hint = f"{problem.hint}, or bind the demand of {robot.name} in the deployment file"
-    return replace(problem, message=f"{robot.name}: {problem.message}", hint=hint)
 
 
 def _check_shared(together: Deployment) -> Iterator[Problem]:
@@ -238,47 +227,29 @@ def picture_of_fleet(source: Source, read: Callable[[Path], ReadResult]) -> str:
 def diagram(fleet: Fleet, title: str) -> Diagram:
     """Return robots above their monitors, and lines from each monitor to those that rely on it."""
     nodes = [
-        *(_robot(robot) for robot in fleet.robots),
-        *(_monitor(fleet, monitor) for monitor in fleet.monitors),
+        DiagramNode(robot.name, (robot.name, robot.form.prefix or "/", robot.where), "rounded")
+        for robot in fleet.robots
     ]
+    for monitor in fleet.monitors:
+        rows = [f"gives {name}" for name in monitor.guarantees]
+        rows += [f"needs {binding.demand}" for binding in fleet.bindings_of(monitor)]
+        lines = (monitor.id, *(rows or [monitor.bound.kind.title]))
+        nodes.append(DiagramNode(_id(monitor), lines, "table", "output"))
     edges = [
-        *(DiagramEdge(_id(monitor.robot), _id(monitor), arrow=False) for monitor in fleet.monitors),
+        *(DiagramEdge(of.robot.name, _id(of), arrow=False) for of in fleet.monitors),
         *(edge for robot in fleet.robots for edge in _within(fleet, robot)),
         *_between(fleet),
     ]
-    description = [f"{len(fleet.robots)} robots, {len(fleet.monitors)} monitors"]
-    for binding in fleet.bindings:
-        guarantees = [f"{each.guarantee} of {each.provider.name}" for each in binding.fulfilments]
-        demand = f"{binding.demand} of {binding.user.name}"
-        description.append(f"{demand} is fulfilled by {' or '.join(guarantees)}")
     legend = (
         LegendEntry("robot", "rounded", "neutral"),
         LegendEntry("monitor", "table", "output"),
-        LegendEntry("monitor with demands of other robots", "table", "demand"),
     )
-    return Diagram(title, tuple(nodes), tuple(edges), "down", legend, ". ".join(description))
+    text = f"{len(fleet.robots)} robots, {len(fleet.monitors)} monitors, and who relies on whom"
+    return Diagram(title, tuple(nodes), tuple(edges), "down", legend, text)
 
 
-def _id(part: FleetRobot | RobotMonitor) -> str:
-    return f"{part.robot.name}/{part.index}" if isinstance(part, RobotMonitor) else part.name
-
-
-def _robot(robot: FleetRobot) -> DiagramNode:
-    graph = robot.graph
-    lines = [robot.name, f"{robot.platform.name} {robot.form.prefix or '/'}"]
-    if graph is not None:
-        lines += [f"{graph.key} {graph.name}"] if graph.name else []
-        lines += [f"partition {graph.partition}"] if graph.partition else []
-    return DiagramNode(_id(robot), tuple(lines), "rounded", "neutral")
-
-
-def _monitor(fleet: Fleet, monitor: RobotMonitor) -> DiagramNode:
-    title, demands = monitor.bound.kind.title, fleet.bindings_of(monitor)
-    rows = [f"gives {name}" for name in monitor.guarantees]
-    rows += [f"needs {binding.demand}" for binding in demands]
-    tone: Tone = "demand" if demands else "output"
-    lines = (monitor.id, *(rows or [title]))
-    return DiagramNode(_id(monitor), lines, "table", tone, f"{monitor.name} ({title})")
+def _id(monitor: RobotMonitor) -> str:
+    return f"{monitor.robot.name}/{monitor.index}"
 
 
 def _between(fleet: Fleet) -> Iterator[DiagramEdge]:

@@ -136,5 +136,5 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
                 for provider in publishers.get(reader.topic(source.topic), ()):
                     period, is_new = 1 / provider.frequency, not there >= {id(reader), id(provider)}
                     if is_new and limit < (least := _PERIODS * period):
-                        times = {"limit": limit, "period": period, "least": least}
-                        yield problem(case, place, input=entry.id, source=provider.name, **times)
+                        names = {"input": entry.id, "source": provider.name}
+                        yield problem(case, place, limit=limit, period=period, least=least, **names)

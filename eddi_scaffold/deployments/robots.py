@@ -35,6 +35,15 @@ class FleetRobot:
         """Its name, for people and on the wire."""
         return self.form.name
 
+    @property
+    def where(self) -> str:
+        """Its platform, and where it hears others, for people."""
+        parts, graph = [self.platform.name], self.graph
+        if graph is not None:
+            parts += [f"{graph.key} {graph.name}"] if graph.name else []
+            parts += [f"partition {graph.partition}"] if graph.partition else []
+        return ", ".join(parts)
+
 
 def read_robots(
     file: FleetFile, read: Callable[[Path], ReadResult]
@@ -124,12 +133,14 @@ class _Reader:
 
 def graph_of(form: Robot | StationSection, platform: Platform) -> MeetingPlace | None:
     """Return where a robot or station hears others."""
-    if platform.meeting is None:
+    meeting = platform.meeting
+    if meeting is None:
         return None
-    key = platform.meeting.key
-    named = getattr(form, key)
-    name = platform.meeting.default if named is None else str(named)
-    return MeetingPlace(key, name, form.partition or "")
+    named = getattr(form, meeting.key)
+    partition = form.partition if meeting.has_partitions else None
+    return MeetingPlace(
+        meeting.key, str(meeting.default if named is None else named), partition or ""
+    )
 
 
 def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator[Problem]:
@@ -143,42 +154,35 @@ def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator
             yield problem("D010.same_namespace", place, **names)
 
 
-@dataclass(frozen=True)
-class GuaranteeSource:
-    """One guarantee as one topic brings it."""
-
-    output: SimulatorOutput  # the topic; its id is only a wish
-    guarantee: str  # id in the message
-
-
 def with_demand_inputs(
     config: ConfigFile,
     demand: str,
-    sources: Sequence[GuaranteeSource],
+    sources: Sequence[tuple[SimulatorOutput, str]],
     max_age: float,
     place: Place,
 ) -> ConfigFile:
     """Return a configuration whose demand is fulfilled while one of some guarantees is active.
 
-    What it says itself of where the demand comes from is replaced; its age limit stays.
+    What it says itself of where the demand comes from is replaced; its age limit stays. Sources are
+    a topic, whose id is only a wish, and the id of the guarantee in its messages.
     """
     form, places = config.config, dict(config.places)
     outputs = list(form.SimulatorOutputs)
     names: list[str] = []
-    for source in sources:
+    fields: list[str] = []
+    for output, guarantee in sources:
         taken = {attribute(entry.id) for entry in (*outputs, *form.EDDIInputs)}
-        names.append(free_name(attribute(source.output.id), taken))
+        names.append(free_name(attribute(output.id), taken))
+        fields.append(f"guarantees[{key_text(guarantee)}].active")
         places["SimulatorOutputs", len(outputs)] = place
-        outputs.append(source.output.model_copy(update={"id": names[-1]}))
-    fields = [f"guarantees[{key_text(source.guarantee)}].active" for source in sources]
+        outputs.append(output.model_copy(update={"id": names[-1]}))
     how: dict[str, object] = {"field": fields[0]}
     if len(sources) > 1:
-        read = [f"{name}.{field}" for name, field in zip(names, fields, strict=True)]
-        how = {"expression": " OR ".join(read)}
+        how = {"expression": " OR ".join(map("{}.{}".format, names, fields))}
     entries = list(form.EDDIInputs)
     ids = [entry.id for entry in entries]
     index = ids.index(demand) if demand in ids else len(ids)
-    old = entries[index] if index < len(ids) else InputEntry(id=demand, type="bool")
+    old = entries[index] if demand in ids else InputEntry(id=demand, type="bool")
     replaced = dict.fromkeys(("field", "expression", "expression_file", "states"))
     age = max_age if old.max_age is None else old.max_age
     new = {**replaced, **how, "requires": names, "max_age": age}
