@@ -60,10 +60,6 @@ def read_directly(fleet: Fleet, monitor: RobotMonitor) -> ConfigFile:
     return config
 
 
-_OWN_PERIODS = 2
-"""Of a robot that relies on a statement, which answers its own last one and is used at its step."""
-
-
 def check_fleet(
     source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[list[Problem], frozenset[Path]]:
@@ -79,7 +75,7 @@ def check_fleet(
 def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
     """Return what is wrong with robots that could be read: each by itself, then together."""
     open_ = unanswered(reported, [model for robot in fleet.robots for model, _ in robot.pairs])
-    problems = [*open_, *check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
+    problems = [*open_, *check_station(fleet), *_check_names(fleet)]
     config_of = partial(among_others, fleet, digests={}, closed=is_closed(fleet))
     groups: dict[object, list[FleetRobot]] = {}  # of robots that hear each other
     running: dict[FleetRobot, list[WiredMonitor]] = {}
@@ -101,7 +97,7 @@ def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
         problems += [*check_wiring(members), *absent_publishers(together), *_check_shared(together)]
         members = [member for robot in robots for member in running[robot]]
         problems += check_hidden(members)
-        problems += check_ages(Deployment(members))  # statements have ages of their own: D015
+        problems += check_ages(Deployment(members))
     return problems
 
 
@@ -140,22 +136,6 @@ def _check_names(fleet: Fleet) -> Iterator[Problem]:
             case = "D010.same_model" if is_relied_on else "D010.same_model_unheard"
             place = fleet.file.place("Robots", robot.number, "monitors", monitor.index)
             yield problem(case, place, first=before.name, second=monitor.name, model=model)
-
-
-def _check_ages(fleet: Fleet) -> Iterator[Problem]:
-    """Report age limits that end before the next statement can have come (D015)."""
-    for binding in fleet.bindings:
-        user, demand = binding.user, binding.demand
-        for index, entry in enumerate(user.config.config.EDDIInputs):
-            limit = entry.max_age
-            if entry.id != demand or not isinstance(limit, float):
-                continue
-            place = user.config.place("EDDIInputs", index, "max_age")
-            for provider in dict.fromkeys(each.provider for each in binding.fulfilments):
-                age = _OWN_PERIODS / user.frequency + 1 / provider.frequency
-                if limit < age:
-                    names = {"demand": demand, "source": provider.name, "user": user.name}
-                    yield problem("D015", place, limit=limit, age=age, **names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,53 +206,24 @@ def picture_of_fleet(source: Source, read: Callable[[Path], ReadResult]) -> str:
 
 def diagram(fleet: Fleet, title: str) -> Diagram:
     """Return robots above their monitors, and lines from each monitor to those that rely on it."""
-    nodes = [
+    robots = [
         DiagramNode(robot.name, (robot.name, robot.form.prefix or "/", robot.where), "rounded")
         for robot in fleet.robots
     ]
-    for monitor in fleet.monitors:
+    ids = {monitor: f"{monitor.robot.name}/{monitor.index}" for monitor in fleet.monitors}
+    monitors, edges = [], []
+    for monitor, id_ in ids.items():
         rows = [f"gives {name}" for name in monitor.guarantees]
         rows += [f"needs {binding.demand}" for binding in fleet.bindings_of(monitor)]
         lines = (monitor.id, *(rows or [monitor.bound.kind.title]))
-        nodes.append(DiagramNode(_id(monitor), lines, "table", "output"))
-    edges = [
-        *(DiagramEdge(of.robot.name, _id(of), arrow=False) for of in fleet.monitors),
-        *(edge for robot in fleet.robots for edge in _within(fleet, robot)),
-        *_between(fleet),
-    ]
-    legend = (
-        LegendEntry("robot", "rounded", "neutral"),
-        LegendEntry("monitor", "table", "output"),
-    )
-    text = f"{len(fleet.robots)} robots, {len(fleet.monitors)} monitors, and who relies on whom"
-    return Diagram(title, tuple(nodes), tuple(edges), "down", legend, text)
-
-
-def _id(monitor: RobotMonitor) -> str:
-    return f"{monitor.robot.name}/{monitor.index}"
-
-
-def _between(fleet: Fleet) -> Iterator[DiagramEdge]:
-    """Yield a line for each guarantee that may fulfil a demand of another robot."""
+        monitors.append(DiagramNode(id_, lines, "table", "output"))
+        edges.append(DiagramEdge(monitor.robot.name, id_, arrow=False))
     labels: dict[tuple[str, str], list[str]] = {}
     for binding in fleet.bindings:
         for fulfilment in binding.fulfilments:
-            ends = _id(fulfilment.provider), _id(binding.user)
+            ends = ids[fulfilment.provider], ids[binding.user]
             labels.setdefault(ends, []).append(f"{fulfilment.guarantee} for {binding.demand}")
-    for (source, target), texts in labels.items():
-        yield DiagramEdge(source, target, ", ".join(texts))
-
-
-def _within(fleet: Fleet, robot: FleetRobot) -> Iterator[DiagramEdge]:
-    """Yield a line for each monitor of a robot that another one of it relies on, by topics."""
-    monitors = {_id(own): wired(own.bound) for own in fleet.monitors_of(robot)}
-    publishers = {topic: id_ for id_, monitor in monitors.items() for topic, _ in monitor.published}
-    ends = {
-        (publishers[topic], id_): None
-        for id_, monitor in monitors.items()
-        for reads in monitor.topics_read.values()
-        for topic, _ in reads
-        if topic in publishers
-    }
-    for source, target in ends:
-        yield DiagramEdge(source, target)
+    edges += [DiagramEdge(*ends, ", ".join(texts)) for ends, texts in labels.items()]
+    legend = (LegendEntry("robot", "rounded", "neutral"), LegendEntry("monitor", "table", "output"))
+    text = f"{len(robots)} robots, {len(monitors)} monitors, and who relies on whom"
+    return Diagram(title, (*robots, *monitors), tuple(edges), "down", legend, text)

@@ -12,8 +12,7 @@ from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.config.field_paths import ByKey
-from eddi_scaffold.deployments.meanings import Readings, check_meanings
+from eddi_scaffold.deployments.meanings import check_meanings
 from eddi_scaffold.deployments.support import (
     WiredMonitor,
     check_acceptances,
@@ -29,28 +28,6 @@ from eddi_scaffold.deployments.topics import (
     check_types,
 )
 from eddi_scaffold.monitors.binding import BoundMonitor
-
-
-def check_composition(deployment: Deployment) -> Iterator[Problem]:
-    """Report demands that are wired to a guarantee which does not fulfil them (D004)."""
-    for member in deployment.members:
-        user = member.bound
-        assert user is not None
-        seen: set[tuple[str, str]] = set()
-        for reading in Readings(user).fields:
-            publisher = deployment.publisher(member, reading.source)
-            if publisher is None:
-                continue
-            path = publisher.publication.path or reading.path
-            output = next((str(step.key) for step in path if isinstance(step, ByKey)), None)
-            if output is None or (reading.input, output) in seen:
-                continue
-            seen.add((reading.input, output))
-            provider = publisher.member.bound
-            assert provider is not None
-            reason = provider.model.why_not_fulfilled(output, user.model, reading.input)
-            if reason is not None:
-                yield problem("D004.unfulfilled", reading.place, input=reading.input, reason=reason)
 
 
 def check_hidden(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
@@ -84,7 +61,6 @@ def check_wiring(
     return [
         *check_meanings(together),
         *check_alone(together.participants),
-        *check_composition(together),
         *check_topics(together),
         *check_types(together),
         *check_spellings(together),
