@@ -234,22 +234,16 @@ def _heard(fleet: Fleet) -> list[Fulfilment]:
 
 
 def _pair(name: str, offered: Mapping[str, Fulfilment]) -> Pair:
-    dimensions = [{"Binary": {"type": "Active"}}]
     model = {
-        "guarantees": [
-            {
-                "id": id_,
-                "description": f"{fulfilment.provider.name} guarantees {fulfilment.guarantee}",
-                "dimensions": dimensions,
+        "demands": {f"{_DEMAND}{id_}": {"is": "bool", "type": "Active"} for id_ in offered},
+        "guarantees": {
+            id_: {
+                "when": f"{_DEMAND}{id_}",
+                "type": "Active",
+                "description": f"{of.provider.name} guarantees {of.guarantee}",
             }
-            for id_, fulfilment in offered.items()
-        ],
-        "demands": [{"id": f"{_DEMAND}{id_}", "dimensions": dimensions} for id_ in offered],
-        "evidence": [],
-        "gates": [],
-        "tree_propagations": [{"from": f"{_DEMAND}{id_}", "to": id_} for id_ in offered],
-        "required_services": [],
-        "provided_services": [],
+            for id_, of in offered.items()
+        },
     }
     frequency = max(fulfilment.provider.frequency for fulfilment in offered.values())
     config = {

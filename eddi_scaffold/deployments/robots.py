@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
@@ -68,13 +69,22 @@ class _Reader:
         platform = self.platform(form, ROBOTS, number)
         if platform is None:
             return None
-        of_entries = [self._pairs(number, index) for index in range(len(form.monitors))]
-        clashes = list(self._clashes(number, of_entries))
+        entries = range(len(form.monitors))
+        pairs = [(index, pair) for index in entries for pair in self._pairs(number, index)]
+        place = partial(self.file.place, ROBOTS, number, "monitors")
+        first: dict[str, int] = {}  # package -> its entry
+        clashes = []  # told before anything is made of them
+        for index, (_, config) in pairs:
+            name = package_name(config.config.Model.id)
+            if name in first:
+                line, case = place(first[name]).line, "G004.same_package_monitors"
+                clashes.append(problem(case, place(index), kind=form.name, line=line, package=name))
+            first.setdefault(name, index)
         self.problems += clashes
-        if clashes or not all(of_entries):
+        if clashes or {index for index, _ in pairs} != {*entries}:
             return None
-        pairs = tuple(pair for of_entry in of_entries for pair in of_entry)
-        return FleetRobot(form, number, platform, graph_of(form, platform), pairs)
+        graph = graph_of(form, platform)
+        return FleetRobot(form, number, platform, graph, tuple(pair for _, pair in pairs))
 
     def platform(self, form: Robot | StationSection, *path: str | int) -> Platform | None:
         """Return a platform; report a place on it that it does not have (K003)."""
@@ -110,19 +120,6 @@ class _Reader:
         except EddiError as failure:
             self.problems += failure.problems
             return []
-
-    def _clashes(self, robot: int, of_entries: Sequence[Sequence[Pair]]) -> Iterator[Problem]:
-        """Report monitors of one package, before anything is made of them (G004)."""
-        first: dict[str, int] = {}
-        pairs = [(index, pair) for index, pairs in enumerate(of_entries) for pair in pairs]
-        for index, (_, config) in pairs:
-            name = package_name(config.config.Model.id)
-            if name in first:
-                of = self.file.form.Robots[robot].name
-                line = self.file.place(ROBOTS, robot, "monitors", first[name]).line
-                place = self.file.place(ROBOTS, robot, "monitors", index)
-                yield problem("G004.same_package_monitors", place, kind=of, line=line, package=name)
-            first.setdefault(name, index)
 
     def _models(self, path: Path) -> ReadResult:
         if path not in self.known:
