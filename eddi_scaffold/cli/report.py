@@ -38,11 +38,9 @@ def report(
     from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.packages.upgrading import groups
     from eddi_scaffold.report.argument import gsn, sacm
+    from eddi_scaffold.report.formats import junit, needs_conf, needs_json, reqif
     from eddi_scaffold.report.gathering import gathered
-    from eddi_scaffold.report.junit import junit
     from eddi_scaffold.report.page import page
-    from eddi_scaffold.report.reqif import reqif
-    from eddi_scaffold.report.sphinx_needs import needs_conf, needs_json
 
     chosen = groups(workspace, packages or [])
     name = model.stem if model is not None else (workspace or Path()).resolve().name

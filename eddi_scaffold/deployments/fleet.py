@@ -27,7 +27,6 @@ from eddi_scaffold.deployments.offers import (
 )
 from eddi_scaffold.deployments.robots import (
     FleetRobot,
-    GuaranteeSource,
     Pair,
     graph_of,
     read_robots,
@@ -156,7 +155,7 @@ def among_others(
             robot = "any" if binding.of_any else entry.robots[0]
             id_ = f"peer_{robot}_{attribute(entry.guarantee)}"
             output = SimulatorOutput(id=id_, type=MESSAGE, topic=shared.topic, peers=entry)
-            sources.append(GuaranteeSource(output, entry.guarantee))
+            sources.append((output, entry.guarantee))
         config = with_demand_inputs(config, binding.demand, sources, shared.lease, binding.place)
     return config
 
@@ -219,14 +218,8 @@ def _place(fleet: Fleet) -> tuple[Platform | None, MeetingPlace | None]:
         platform = first.platform
     else:
         return None, None
-    graph, meeting = graph_of(form, platform), platform.meeting
     is_named = (form.master, form.domain, form.partition) != (None, None, None)
-    if first is None or first.graph is None or meeting is None or is_named:
-        return platform, graph
-    can_be_there = meeting.key == first.graph.key and (
-        meeting.has_partitions or not first.graph.partition
-    )
-    return platform, first.graph if can_be_there else graph
+    return platform, graph_of(form if first is None or is_named else first.form, platform)
 
 
 def _heard(fleet: Fleet) -> list[Fulfilment]:
@@ -241,22 +234,16 @@ def _heard(fleet: Fleet) -> list[Fulfilment]:
 
 
 def _pair(name: str, offered: Mapping[str, Fulfilment]) -> Pair:
-    dimensions = [{"Binary": {"type": "Active"}}]
     model = {
-        "guarantees": [
-            {
-                "id": id_,
-                "description": f"{fulfilment.provider.name} guarantees {fulfilment.guarantee}",
-                "dimensions": dimensions,
+        "demands": {f"{_DEMAND}{id_}": {"is": "bool", "type": "Active"} for id_ in offered},
+        "guarantees": {
+            id_: {
+                "when": f"{_DEMAND}{id_}",
+                "type": "Active",
+                "description": f"{of.provider.name} guarantees {of.guarantee}",
             }
-            for id_, fulfilment in offered.items()
-        ],
-        "demands": [{"id": f"{_DEMAND}{id_}", "dimensions": dimensions} for id_ in offered],
-        "evidence": [],
-        "gates": [],
-        "tree_propagations": [{"from": f"{_DEMAND}{id_}", "to": id_} for id_ in offered],
-        "required_services": [],
-        "provided_services": [],
+            for id_, of in offered.items()
+        },
     }
     frequency = max(fulfilment.provider.frequency for fulfilment in offered.values())
     config = {

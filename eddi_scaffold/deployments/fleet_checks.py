@@ -24,11 +24,11 @@ from eddi_scaffold.deployments.fleet import (
 from eddi_scaffold.deployments.joining import packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.offers import RobotMonitor
-from eddi_scaffold.deployments.robots import FleetRobot, GuaranteeSource, with_demand_inputs
+from eddi_scaffold.deployments.robots import FleetRobot, with_demand_inputs
 from eddi_scaffold.deployments.support import WiredMonitor, wired
 from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -55,15 +55,9 @@ def read_directly(fleet: Fleet, monitor: RobotMonitor) -> ConfigFile:
             id_ = f"peer_{provider.robot.name}_{attribute(guarantee)}"
             type_ = f"{MESSAGE_PACKAGE}/{provider.bound.kind.output_message}"
             output = SimulatorOutput(id=id_, type=type_, topic=topic(provider))
-            sources.append(GuaranteeSource(output, guarantee))
-        if sources:
-            place = binding.place
-            config = with_demand_inputs(config, binding.demand, sources, shared.lease, place)
+            sources.append((output, guarantee))
+        config = with_demand_inputs(config, binding.demand, sources, shared.lease, binding.place)
     return config
-
-
-_OWN_PERIODS = 2
-"""Of a robot that relies on a statement, which answers its own last one and is used at its step."""
 
 
 def check_fleet(
@@ -81,7 +75,7 @@ def check_fleet(
 def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
     """Return what is wrong with robots that could be read: each by itself, then together."""
     open_ = unanswered(reported, [model for robot in fleet.robots for model, _ in robot.pairs])
-    problems = [*open_, *check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
+    problems = [*open_, *check_station(fleet), *_check_names(fleet)]
     config_of = partial(among_others, fleet, digests={}, closed=is_closed(fleet))
     groups: dict[object, list[FleetRobot]] = {}  # of robots that hear each other
     running: dict[FleetRobot, list[WiredMonitor]] = {}
@@ -89,8 +83,7 @@ def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
         groups.setdefault(robot.graph or robot.name, []).append(robot)
         monitors, of_robot = fleet.bound_monitors(robot, config_of)
         running[robot] = _wired(robot, monitors)
-        problems += [_with_binding(problem, robot) for problem in of_robot]
-        problems += packages_of(monitors, robot.platform, None)[1]
+        problems += [*of_robot, *packages_of(monitors, robot.platform, None)[1]]
     if has_errors(problems):
         return problems
     by_topic = partial(read_directly, fleet)
@@ -104,20 +97,12 @@ def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
         problems += [*check_wiring(members), *absent_publishers(together), *_check_shared(together)]
         members = [member for robot in robots for member in running[robot]]
         problems += check_hidden(members)
-        problems += check_ages(Deployment(members))  # statements have ages of their own: D015
+        problems += check_ages(Deployment(members))
     return problems
 
 
 def _wired(robot: FleetRobot, monitors: Iterable[BoundMonitor]) -> list[WiredMonitor]:
     return [wired(monitor, robot.form.prefix) for monitor in monitors]
-
-
-def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
-    """Return the warning that nothing provides an input, and what a deployment file can do."""
-    if problem.code != "K014":
-        return problem
-    hint = f"{problem.hint}, or bind the demand of {robot.name} in the deployment file"
-    return replace(problem, message=f"{robot.name}: {problem.message}", hint=hint)
 
 
 def _check_shared(together: Deployment) -> Iterator[Problem]:
@@ -151,22 +136,6 @@ def _check_names(fleet: Fleet) -> Iterator[Problem]:
             case = "D010.same_model" if is_relied_on else "D010.same_model_unheard"
             place = fleet.file.place("Robots", robot.number, "monitors", monitor.index)
             yield problem(case, place, first=before.name, second=monitor.name, model=model)
-
-
-def _check_ages(fleet: Fleet) -> Iterator[Problem]:
-    """Report age limits that end before the next statement can have come (D015)."""
-    for binding in fleet.bindings:
-        user, demand = binding.user, binding.demand
-        for index, entry in enumerate(user.config.config.EDDIInputs):
-            limit = entry.max_age
-            if entry.id != demand or not isinstance(limit, float):
-                continue
-            place = user.config.place("EDDIInputs", index, "max_age")
-            for provider in dict.fromkeys(each.provider for each in binding.fulfilments):
-                age = _OWN_PERIODS / user.frequency + 1 / provider.frequency
-                if limit < age:
-                    names = {"demand": demand, "source": provider.name, "user": user.name}
-                    yield problem("D015", place, limit=limit, age=age, **names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,71 +206,24 @@ def picture_of_fleet(source: Source, read: Callable[[Path], ReadResult]) -> str:
 
 def diagram(fleet: Fleet, title: str) -> Diagram:
     """Return robots above their monitors, and lines from each monitor to those that rely on it."""
-    nodes = [
-        *(_robot(robot) for robot in fleet.robots),
-        *(_monitor(fleet, monitor) for monitor in fleet.monitors),
+    robots = [
+        DiagramNode(robot.name, (robot.name, robot.form.prefix or "/", robot.where), "rounded")
+        for robot in fleet.robots
     ]
-    edges = [
-        *(DiagramEdge(_id(monitor.robot), _id(monitor), arrow=False) for monitor in fleet.monitors),
-        *(edge for robot in fleet.robots for edge in _within(fleet, robot)),
-        *_between(fleet),
-    ]
-    description = [f"{len(fleet.robots)} robots, {len(fleet.monitors)} monitors"]
-    for binding in fleet.bindings:
-        guarantees = [f"{each.guarantee} of {each.provider.name}" for each in binding.fulfilments]
-        demand = f"{binding.demand} of {binding.user.name}"
-        description.append(f"{demand} is fulfilled by {' or '.join(guarantees)}")
-    legend = (
-        LegendEntry("robot", "rounded", "neutral"),
-        LegendEntry("monitor", "table", "output"),
-        LegendEntry("monitor with demands of other robots", "table", "demand"),
-    )
-    return Diagram(title, tuple(nodes), tuple(edges), "down", legend, ". ".join(description))
-
-
-def _id(part: FleetRobot | RobotMonitor) -> str:
-    return f"{part.robot.name}/{part.index}" if isinstance(part, RobotMonitor) else part.name
-
-
-def _robot(robot: FleetRobot) -> DiagramNode:
-    graph = robot.graph
-    lines = [robot.name, f"{robot.platform.name} {robot.form.prefix or '/'}"]
-    if graph is not None:
-        lines += [f"{graph.key} {graph.name}"] if graph.name else []
-        lines += [f"partition {graph.partition}"] if graph.partition else []
-    return DiagramNode(_id(robot), tuple(lines), "rounded", "neutral")
-
-
-def _monitor(fleet: Fleet, monitor: RobotMonitor) -> DiagramNode:
-    title, demands = monitor.bound.kind.title, fleet.bindings_of(monitor)
-    rows = [f"gives {name}" for name in monitor.guarantees]
-    rows += [f"needs {binding.demand}" for binding in demands]
-    tone: Tone = "demand" if demands else "output"
-    lines = (monitor.id, *(rows or [title]))
-    return DiagramNode(_id(monitor), lines, "table", tone, f"{monitor.name} ({title})")
-
-
-def _between(fleet: Fleet) -> Iterator[DiagramEdge]:
-    """Yield a line for each guarantee that may fulfil a demand of another robot."""
+    ids = {monitor: f"{monitor.robot.name}/{monitor.index}" for monitor in fleet.monitors}
+    monitors, edges = [], []
+    for monitor, id_ in ids.items():
+        rows = [f"gives {name}" for name in monitor.guarantees]
+        rows += [f"needs {binding.demand}" for binding in fleet.bindings_of(monitor)]
+        lines = (monitor.id, *(rows or [monitor.bound.kind.title]))
+        monitors.append(DiagramNode(id_, lines, "table", "output"))
+        edges.append(DiagramEdge(monitor.robot.name, id_, arrow=False))
     labels: dict[tuple[str, str], list[str]] = {}
     for binding in fleet.bindings:
         for fulfilment in binding.fulfilments:
-            ends = _id(fulfilment.provider), _id(binding.user)
+            ends = ids[fulfilment.provider], ids[binding.user]
             labels.setdefault(ends, []).append(f"{fulfilment.guarantee} for {binding.demand}")
-    for (source, target), texts in labels.items():
-        yield DiagramEdge(source, target, ", ".join(texts))
-
-
-def _within(fleet: Fleet, robot: FleetRobot) -> Iterator[DiagramEdge]:
-    """Yield a line for each monitor of a robot that another one of it relies on, by topics."""
-    monitors = {_id(own): wired(own.bound) for own in fleet.monitors_of(robot)}
-    publishers = {topic: id_ for id_, monitor in monitors.items() for topic, _ in monitor.published}
-    ends = {
-        (publishers[topic], id_): None
-        for id_, monitor in monitors.items()
-        for reads in monitor.topics_read.values()
-        for topic, _ in reads
-        if topic in publishers
-    }
-    for source, target in ends:
-        yield DiagramEdge(source, target)
+    edges += [DiagramEdge(*ends, ", ".join(texts)) for ends, texts in labels.items()]
+    legend = (LegendEntry("robot", "rounded", "neutral"), LegendEntry("monitor", "table", "output"))
+    text = f"{len(robots)} robots, {len(monitors)} monitors, and who relies on whom"
+    return Diagram(title, (*robots, *monitors), tuple(edges), "down", legend, text)

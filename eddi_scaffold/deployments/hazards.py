@@ -203,17 +203,16 @@ class HazardTrace:
 
     def __post_init__(self) -> None:
         """Follow all claims."""
-        self._facts = [(of.name, of.model_file, of.facts) for of in self.monitors]
-        self._facts += [(of.id, of.model.source.name, of.facts) for of in self.others]
-        for monitor, file, facts in self._facts:
-            claims = {claim.id: claim for claim in facts.claims}
+        all_facts = [(of.name, of.model_file, of.facts) for of in self.monitors]
+        all_facts += [(of.id, of.model.source.name, of.facts) for of in self.others]
+        for monitor, file, facts in all_facts:
+            rests_on = {claim.id: claim.rests_on for claim in facts.claims}
             for of in facts.elements:
-                id_ = of.id if of.id in claims else of.claim
-                if of.element == "guarantee" and id_ in claims:
-                    place, rests_on = Place(file, of.line, path=of.path), claims[id_].rests_on
+                id_ = of.id if of.id in rests_on else of.claim
+                if of.element == "guarantee" and id_ in rests_on:
+                    about = f"{monitor}.{id_}", rests_on[id_], Place(file, of.line, path=of.path)
                     for name in (f"{monitor}/{of.id}", f"{facts.id}/{of.id}"):
-                        guarantee = Guarantee(name, f"{monitor}.{id_}", rests_on, place)
-                        self.guarantees.setdefault(name, guarantee)
+                        self.guarantees.setdefault(name, Guarantee(name, *about))
         self._below = supports(self.monitors)
         published = {topic for monitor in self.monitors for topic, _ in monitor.published}
         support: dict[str, ClaimSupport] = {}
@@ -239,7 +238,7 @@ class HazardTrace:
                 )
                 name = wire.claim(claim.id)
                 support[name] = ClaimSupport(name, wire.package, claim.gates, inputs, known)
-        running = {name for monitor, _, facts in self._facts for name in (monitor, facts.id)}
+        running = {name for monitor, _, facts in all_facts for name in (monitor, facts.id)}
         lifetimes, accepted = bounds(self.monitors), acceptances(self.monitors)
         for path, item in self.analysis.items.items():
             if item.kind == "measure":
@@ -283,7 +282,7 @@ class HazardTrace:
         # of a goal, what is wrong with its hazard is reported there
         is_wanted = item.kind == "hazard" or (item.is_goal and all(of.is_linked for of in hazards))
         if is_wanted and not row.guarantees:
-            yield problem("J001.unlinked", place, hint=self._nearest(row), what=what)
+            yield problem("J001.unlinked", place, what=what)
         elif is_wanted and not row.is_linked:
             names = ", ".join(of.name for of in row.guarantees)
             yield problem("J001.constant", place, what=what, names=names)
@@ -293,15 +292,3 @@ class HazardTrace:
         if item.within_s is not None and row.is_linked and not row.is_in_time:
             hint, within = _GIVE if row.worst is None else None, f"{item.within_s:g}"
             yield problem("J003", place, hint=hint, what=what, within=within, reason=row.bound)
-
-    def _nearest(self, row: HazardRow) -> str | None:
-        """Return a hint at a guarantee whose evidence is linked, by a failure say."""
-        paths = {of.path for of in (row.item, *row.parts)}
-        for monitor, _, facts in self._facts:
-            links = (facts.links or {}).values()
-            linked = {of.id for of in links if any(to.path in paths for to in of.links)}
-            for name, guarantee in self.guarantees.items():
-                shared = linked & guarantee.rests_on
-                if shared and guarantee.claim.startswith(f"{monitor}."):
-                    return f"the nearest is {name}: its {min(shared)} is linked with it"
-        return None

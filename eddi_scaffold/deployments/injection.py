@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, replace
 from itertools import pairwise, product, takewhile
 from typing import Any, NamedTuple
 
-from eddi_scaffold.common.problems import EddiError, did_you_mean, problem
+from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.deployments.lifetimes import Effect, Times, times_of_claims
 from eddi_scaffold.deployments.support import wired
 from eddi_scaffold.kinds import JsonValue
@@ -52,8 +52,7 @@ class Row:
     within_s: float  # seconds that are left of the ftti
     bound_s: float | None  # seconds after which the guarantee is gone; `None`: nothing bounds them
     phases: int  # in which the guarantee was active and the fault made a difference
-    lost: bool  # it was gone in all of these
-    measured_s: float | None  # the longest time until then
+    measured_s: float | None  # the longest time until it was gone; `None`: it was not in all
     accept: str | None  # why it may have no bound, or not be exercised
 
     @property
@@ -122,21 +121,14 @@ class Injector:
         }
         self._published = published(members)
         self._columns: dict[str, list[str]] = {}
-        for member, id_, column in ((of, *item) for of in members for item in of.columns.items()):
-            (binding,) = (item for item in member.monitor.inputs if item.model.id == id_)
-            for topic in member.topics(binding):
-                self._columns.setdefault(topic, []).append(column)
+        for member in members:
+            for binding in member.monitor.inputs:
+                for topic in member.topics(binding) if binding.model.id in member.columns else ():
+                    column = member.columns[binding.model.id]
+                    self._columns.setdefault(topic, []).append(column)
         self._periods = [round(SECOND / of.frequency) for of in self._wired]
-        self._bad_values: dict[tuple[_Target, str], Mapping[str, Any]] = {}
-        self._active: dict[_Target, list[tuple[int, bool]]] = {}  # as `run` shows it
-        for name, of in zip(self._names, self._wired, strict=True):
-            for reaction in of.config.config.Reactions:
-                target = _Target(name, reaction.guarantee, of.claim(reaction.guarantee))
-                self._active[target] = []
-        for monitor, step in play(played(members), recording):
-            for target in (of for of in self._active if of.monitor == monitor.name):
-                holds = _holds(monitor.running, step.output, target.output)
-                self._active[target].append((round(step.t * SECOND), holds))
+        self._bad_values: dict[tuple[str, str], Mapping[str, Any]] = {}  # by claim and topic
+        self._active: dict[str, list[tuple[int, bool]]] = {}  # claim -> as `run` shows it
 
     def rows(self, only: Container[str]) -> Iterator[Row]:
         """Yield the rows of all ``Reactions``, of these faults.
@@ -148,24 +140,25 @@ class Injector:
         for name, monitor in zip(self._names, self._wired, strict=True):
             for index, reaction in enumerate(monitor.config.config.Reactions):
                 target = _Target(name, reaction.guarantee, monitor.claim(reaction.guarantee))
-                head = monitor.name, reaction.guarantee, reaction.hazard
-                times = reaction.ftti, reaction.reaction, round(reaction.within, 9)
+                nothing = _Trial(target, Injection(Fault("none"), [], 0, {}, 0), [], False, 0, 0)
+                self._active[target.claim] = [*self._steps(nothing)]
                 known = sorted(self._times["silence"][target.claim])
                 for topic in (of for of in reaction.topics if of not in known):
-                    hint = did_you_mean(topic, known) or f"there are {', '.join(known)}"
-                    names = {"guarantee": reaction.guarantee, "topic": topic}
+                    names = {"guarantee": reaction.guarantee, "known": ", ".join(known)}
                     place = monitor.config.place("Reactions", index, "topics")
-                    raise EddiError(problem("K003.no_topic", place, hint=hint, **names))
+                    raise EddiError(problem("K003.no_topic", place, topic=topic, **names))
+                head = monitor.name, reaction.guarantee, reaction.hazard
+                times = reaction.ftti, reaction.reaction, round(reaction.within, 9)
                 faults = [fault for fault in map(read_fault, reaction.faults) if fault.name in only]
                 for fault, topic in product(faults, reaction.topics or known):
                     if self._applies(fault, topic):
                         bound_s, losses = self._measured(target, fault, topic)
-                        longest, bound = max(losses, default=math.inf), math.isfinite(bound_s)
-                        lost = math.isfinite(longest)
+                        bound, longest_s = round(bound_s, 9), max(losses, default=math.inf) / SECOND
                         yield Row(
                             *head, fault.text, topic, *times,
-                            round(bound_s, 9) if bound else None, len(losses), lost,
-                            round(longest / SECOND, 9) if lost else None, reaction.accept,
+                            bound if math.isfinite(bound) else None, len(losses),
+                            round(longest_s, 9) if math.isfinite(longest_s) else None,
+                            reaction.accept,
                         )  # fmt: skip
 
     def _samples(self, topic: str) -> Mapping[str, Sequence[tuple[int, Any]]]:
@@ -184,7 +177,7 @@ class Injector:
         """Return begin and end of the first time that a claim is active for long enough, or any."""
         stretches: list[tuple[int, int]] = []
         begin: int | None = None
-        for t, active in [*self._active[target], (self._recording.end, False)]:
+        for t, active in [*self._active[target.claim], (self._recording.end, False)]:
             if active and begin is None:
                 begin = t + sum(self._periods)  # in other phases it may be later, or end earlier
             elif not active and begin is not None:
@@ -237,12 +230,13 @@ class Injector:
         self, target: _Target, topic: str, stretch: tuple[int, int], patience: int
     ) -> Mapping[str, Any]:
         """Return the messages of a topic before the claim was lost that alone end it."""
-        if (target, topic) in self._bad_values:
-            return self._bad_values[target, topic]
+        key = target.claim, topic
+        if key in self._bad_values:
+            return self._bad_values[key]
         (at, end_of_stretch), tried = stretch, set[str]()
         samples, result = self._samples(topic), dict[str, Any]()
         times = sorted({t for own in samples.values() for t, _ in own}, reverse=True)
-        ends = [b for (_, was), (b, now) in pairwise(self._active[target]) if was and not now]
+        ends = [b for (_, was), (b, now) in pairwise(self._active[target.claim]) if was and not now]
         for t in (t for end in ends for t in times if end - patience <= t <= end):
             bad = {of: message for of, own in samples.items() for u, message in own if u <= t}
             if repr(bad) in tried or len(tried) == _MOST_VALUES:
@@ -253,7 +247,7 @@ class Injector:
             if loss is not None and math.isfinite(loss):
                 result = bad
                 break
-        self._bad_values[target, topic] = result
+        self._bad_values[key] = result
         return result
 
     def _offsets(self, phase: int, effect: Effect, topic: str, at: int, more_s: float) -> list[int]:
@@ -277,7 +271,9 @@ class Injector:
         recording = trial.injection.into(self._recording)
         for monitor, step in play(monitors, recording, trial.injection.silent()):
             if monitor.name == trial.target.monitor:
-                holds = _holds(monitor.running, step.output, trial.target.output)
+                running, claim = monitor.running, trial.target.output
+                # of a hazard, it is known to be absent
+                holds = running.decided(step.output)[claim] is (claim not in running.hazards)
                 yield round(step.t * SECOND), holds
 
     def _loss(self, trial: _Trial) -> float | None:
@@ -302,8 +298,3 @@ class Injector:
         always = trial._replace(injection=replace(trial.injection, since=-1, onset=-1))
         steps = takewhile(lambda step: step[0] <= end, self._steps(always))
         return any(active for t, active in steps if t >= begin)
-
-
-def _holds(running: Any, output: Any, claim: str) -> bool:
-    """Return whether a claim holds: of a hazard, whether it is known to be absent."""
-    return running.decided(output)[claim] is (claim not in running.hazards)

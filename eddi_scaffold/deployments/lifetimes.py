@@ -15,7 +15,6 @@ from typing import Literal
 
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import WiredMonitor, supports, supports_of_inputs
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.kinds import JsonValue
@@ -111,8 +110,7 @@ def limit_of(monitor: WiredMonitor, name: str) -> float:
     return min((limit for limit in limits if isinstance(limit, int | float)), default=math.inf)
 
 
-_PERIODS = 2  # of a publisher that a limit must allow; a little more is what is advised
-_ADVISED = 2.5
+_PERIODS = 2  # of a publisher that a limit must allow
 
 
 def check_ages(together: Deployment) -> Iterator[Problem]:
@@ -129,25 +127,14 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
         required = {input_.id: input_.requires for input_ in reader.facts.inputs}
         for index, entry in enumerate(reader.config.config.EDDIInputs):
             for source in reader.config.config.SimulatorOutputs:
-                if source.id not in required.get(entry.id, ()):
+                limit = source.limit if entry.max_age is None else entry.max_age
+                if source.id not in required.get(entry.id, ()) or not isinstance(limit, float):
                     continue
+                is_default = entry.max_age is None and source.max_age is None
+                case = "K029.default_below_period" if is_default else "K029.below_period"
+                place = reader.config.place("EDDIInputs", index, "max_age")
                 for provider in publishers.get(reader.topic(source.topic), ()):
-                    if not there.issuperset((id(reader), id(provider))):
-                        yield from _check(reader, index, source, provider)
-
-
-def _check(
-    reader: WiredMonitor, index: int, source: SimulatorOutput, provider: WiredMonitor
-) -> Iterator[Problem]:
-    entry, period = reader.config.config.EDDIInputs[index], 1 / provider.frequency
-    limit = source.limit if entry.max_age is None else entry.max_age
-    if not isinstance(limit, float) or limit >= _PERIODS * period:
-        return
-    place = reader.config.place("EDDIInputs", index, "max_age")
-    is_default = entry.max_age is None and source.max_age is None
-    hint = f"at least {_PERIODS} periods: max_age: {_PERIODS * period:g} s"
-    if is_default:
-        hint = f"write `max_age: {_ADVISED * period:g} s` in its entry of EDDIInputs"
-    case = "K029.default_below_period" if is_default else "K029.below_period"
-    values = {"input": entry.id, "source": provider.name}
-    yield problem(case, place, hint=hint, limit=limit, period=period, **values)
+                    period, is_new = 1 / provider.frequency, not there >= {id(reader), id(provider)}
+                    if is_new and limit < (least := _PERIODS * period):
+                        names = {"input": entry.id, "source": provider.name}
+                        yield problem(case, place, limit=limit, period=period, least=least, **names)

@@ -10,7 +10,14 @@ from eddi_scaffold.common.claims import Holds, Meaning, Meanings, Use, ValidityF
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.conditions.uses import uses
-from eddi_scaffold.config.field_paths import Attribute, FieldPath, Index, parse_field, pattern
+from eddi_scaffold.config.field_paths import (
+    Attribute,
+    ByKey,
+    FieldPath,
+    Index,
+    parse_field,
+    pattern,
+)
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import WiredMonitor
 from eddi_scaffold.deployments.topics import Deployment
@@ -132,7 +139,7 @@ class Readings:
 
 
 def check_meanings(deployment: Deployment) -> Iterator[Problem]:
-    """Report what gains from silence: D001, D002, D007."""
+    """Report what gains from silence, or fulfils no demand: D001, D002, D004, D007."""
     for member in deployment.members:
         readings, config = Readings(member.bound), member.config
         ids = [entry.id for entry in config.config.EDDIInputs]
@@ -141,9 +148,29 @@ def check_meanings(deployment: Deployment) -> Iterator[Problem]:
             yield problem("D002.hazard", place, input=input_)
         problems: dict[tuple[object, ...], Problem] = {}
         for reading in readings.fields:
-            for reported in _judge(deployment, member, reading):
+            reports = [
+                *_judge(deployment, member, reading),
+                *_unfulfilled(deployment, member, reading),
+            ]
+            for reported in reports:
                 problems.setdefault((reported.code, reported.message, reported.place), reported)
         yield from problems.values()
+
+
+def _unfulfilled(
+    deployment: Deployment, member: WiredMonitor, reading: FieldReading
+) -> Iterator[Problem]:
+    publisher = deployment.publisher(member, reading.source)
+    path = (publisher.publication.path or reading.path) if publisher is not None else ()
+    output = next((str(step.key) for step in path if isinstance(step, ByKey)), None)
+    if publisher is None or output is None:
+        return
+    provider, user = publisher.member.bound, member.bound
+    assert provider is not None
+    assert user is not None
+    reason = provider.model.why_not_fulfilled(output, user.model, reading.input)
+    if reason is not None:
+        yield problem("D004.unfulfilled", reading.place, input=reading.input, reason=reason)
 
 
 def _judge(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
@@ -35,6 +36,15 @@ class FleetRobot:
         """Its name, for people and on the wire."""
         return self.form.name
 
+    @property
+    def where(self) -> str:
+        """Its platform, and where it hears others, for people."""
+        parts, graph = [self.platform.name], self.graph
+        if graph is not None:
+            parts += [f"{graph.key} {graph.name}"] if graph.name else []
+            parts += [f"partition {graph.partition}"] if graph.partition else []
+        return ", ".join(parts)
+
 
 def read_robots(
     file: FleetFile, read: Callable[[Path], ReadResult]
@@ -59,13 +69,22 @@ class _Reader:
         platform = self.platform(form, ROBOTS, number)
         if platform is None:
             return None
-        of_entries = [self._pairs(number, index) for index in range(len(form.monitors))]
-        clashes = list(self._clashes(number, of_entries))
+        entries = range(len(form.monitors))
+        pairs = [(index, pair) for index in entries for pair in self._pairs(number, index)]
+        place = partial(self.file.place, ROBOTS, number, "monitors")
+        first: dict[str, int] = {}  # package -> its entry
+        clashes = []  # told before anything is made of them
+        for index, (_, config) in pairs:
+            name = package_name(config.config.Model.id)
+            if name in first:
+                line, case = place(first[name]).line, "G004.same_package_monitors"
+                clashes.append(problem(case, place(index), kind=form.name, line=line, package=name))
+            first.setdefault(name, index)
         self.problems += clashes
-        if clashes or not all(of_entries):
+        if clashes or {index for index, _ in pairs} != {*entries}:
             return None
-        pairs = tuple(pair for of_entry in of_entries for pair in of_entry)
-        return FleetRobot(form, number, platform, graph_of(form, platform), pairs)
+        graph = graph_of(form, platform)
+        return FleetRobot(form, number, platform, graph, tuple(pair for _, pair in pairs))
 
     def platform(self, form: Robot | StationSection, *path: str | int) -> Platform | None:
         """Return a platform; report a place on it that it does not have (K003)."""
@@ -102,19 +121,6 @@ class _Reader:
             self.problems += failure.problems
             return []
 
-    def _clashes(self, robot: int, of_entries: Sequence[Sequence[Pair]]) -> Iterator[Problem]:
-        """Report monitors of one package, before anything is made of them (G004)."""
-        first: dict[str, int] = {}
-        pairs = [(index, pair) for index, pairs in enumerate(of_entries) for pair in pairs]
-        for index, (_, config) in pairs:
-            name = package_name(config.config.Model.id)
-            if name in first:
-                of = self.file.form.Robots[robot].name
-                line = self.file.place(ROBOTS, robot, "monitors", first[name]).line
-                place = self.file.place(ROBOTS, robot, "monitors", index)
-                yield problem("G004.same_package_monitors", place, kind=of, line=line, package=name)
-            first.setdefault(name, index)
-
     def _models(self, path: Path) -> ReadResult:
         if path not in self.known:
             self.known[path] = self.read(path)
@@ -124,12 +130,14 @@ class _Reader:
 
 def graph_of(form: Robot | StationSection, platform: Platform) -> MeetingPlace | None:
     """Return where a robot or station hears others."""
-    if platform.meeting is None:
+    meeting = platform.meeting
+    if meeting is None:
         return None
-    key = platform.meeting.key
-    named = getattr(form, key)
-    name = platform.meeting.default if named is None else str(named)
-    return MeetingPlace(key, name, form.partition or "")
+    named = getattr(form, meeting.key)
+    partition = form.partition if meeting.has_partitions else None
+    return MeetingPlace(
+        meeting.key, str(meeting.default if named is None else named), partition or ""
+    )
 
 
 def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator[Problem]:
@@ -143,42 +151,35 @@ def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator
             yield problem("D010.same_namespace", place, **names)
 
 
-@dataclass(frozen=True)
-class GuaranteeSource:
-    """One guarantee as one topic brings it."""
-
-    output: SimulatorOutput  # the topic; its id is only a wish
-    guarantee: str  # id in the message
-
-
 def with_demand_inputs(
     config: ConfigFile,
     demand: str,
-    sources: Sequence[GuaranteeSource],
+    sources: Sequence[tuple[SimulatorOutput, str]],
     max_age: float,
     place: Place,
 ) -> ConfigFile:
     """Return a configuration whose demand is fulfilled while one of some guarantees is active.
 
-    What it says itself of where the demand comes from is replaced; its age limit stays.
+    What it says itself of where the demand comes from is replaced; its age limit stays. Sources are
+    a topic, whose id is only a wish, and the id of the guarantee in its messages.
     """
     form, places = config.config, dict(config.places)
     outputs = list(form.SimulatorOutputs)
     names: list[str] = []
-    for source in sources:
+    fields: list[str] = []
+    for output, guarantee in sources:
         taken = {attribute(entry.id) for entry in (*outputs, *form.EDDIInputs)}
-        names.append(free_name(attribute(source.output.id), taken))
+        names.append(free_name(attribute(output.id), taken))
+        fields.append(f"guarantees[{key_text(guarantee)}].active")
         places["SimulatorOutputs", len(outputs)] = place
-        outputs.append(source.output.model_copy(update={"id": names[-1]}))
-    fields = [f"guarantees[{key_text(source.guarantee)}].active" for source in sources]
+        outputs.append(output.model_copy(update={"id": names[-1]}))
     how: dict[str, object] = {"field": fields[0]}
     if len(sources) > 1:
-        read = [f"{name}.{field}" for name, field in zip(names, fields, strict=True)]
-        how = {"expression": " OR ".join(read)}
+        how = {"expression": " OR ".join(map("{}.{}".format, names, fields))}
     entries = list(form.EDDIInputs)
     ids = [entry.id for entry in entries]
     index = ids.index(demand) if demand in ids else len(ids)
-    old = entries[index] if index < len(ids) else InputEntry(id=demand, type="bool")
+    old = entries[index] if demand in ids else InputEntry(id=demand, type="bool")
     replaced = dict.fromkeys(("field", "expression", "expression_file", "states"))
     age = max_age if old.max_age is None else old.max_age
     new = {**replaced, **how, "requires": names, "max_age": age}

@@ -59,13 +59,6 @@ class WiredMonitor:
         """Return what the fields of its messages mean on a topic of one claim, or of all."""
         return self.kind.model_class.meanings(self.facts.claims_on(part))
 
-    @property
-    def claims_on_statements(self) -> Sequence[str]:
-        """Its claims that rest on statements of other robots."""
-        sources = {source.id for source in self.config.config.SimulatorOutputs if source.peers}
-        fed = {input_.id for input_ in self.facts.inputs if sources & set(input_.requires)}
-        return [self.claim(claim.id) for claim in self.facts.claims if fed & claim.rests_on]
-
     def claim(self, output: str) -> str:
         """Return the name of one of its claims among all: its own name, and the output's."""
         return f"{self.name}.{output}" if output else self.name

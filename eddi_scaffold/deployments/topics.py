@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from eddi_scaffold.common.problems import Place, Problem, most_similar, problem
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import PublishedTopic, WiredMonitor
 from eddi_scaffold.monitors.input_rules import kind_of_message
@@ -62,10 +62,15 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
         results = [of for of in publishers if of.publication.of == "" or of.publication.path]
         for other in results[1:]:
             if other.member is not results[0].member:
-                yield _shared(topic, results[0], other)
+                names = {"first": results[0].member.name, "second": other.member.name}
+                place, own = other.publication.place, other.publication.output.topic
+                if results[0].member.namespace == other.member.namespace:
+                    yield problem("D005.shared", place, topic=topic, **names)
+                else:
+                    relative = own.removeprefix("/")
+                    yield problem("D005.robots", place, topic=topic, relative=relative, **names)
         if results:
             first[topic] = results[0].member, results[0].publication.place
-    new = {member.package for member in deployment.members}
     for monitor in deployment.others:
         config = monitor.config
         for index, output in enumerate(config.config.EDDIOutputs):
@@ -73,14 +78,9 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
             known, place = first.setdefault(topic, (monitor, at))
             if place is at or known.name == monitor.name:  # the same, whose folder was moved
                 continue
-            hint = "give each a topic of its own"
-            if known.package in new:
-                rename = f"--rename {monitor.package}={known.package}"
-                hint += f"; if the model has a new name, add `{rename}`"
-            hint += "; else remove the package that is of no use"
             # No error: nodes may be started in namespaces of their own, or not at all.
             names = {"name": known.name, "package": monitor.package, "topic": topic}
-            yield problem("D005.package", place, hint=hint, **names)
+            yield problem("D005.package", place, **names)
 
 
 def check_alone(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
@@ -121,16 +121,15 @@ def check_types(deployment: Deployment) -> Iterator[Problem]:
 def check_spellings(deployment: Deployment) -> Iterator[Problem]:
     """Report messages of ours that are read, and whose fields get other names (G026)."""
     respelt = {
-        name
+        f"{MESSAGE_PACKAGE}/{name}"
         for member in deployment.members
         for name in member.kind.respelt(member.config.config.Model.model_extra or {})
     }
     for member in deployment.members:
         for index, source in enumerate(member.config.config.SimulatorOutputs):
-            package, _, name = source.type.partition("/")
-            if package == MESSAGE_PACKAGE and name in respelt:
+            if source.type in respelt:
                 place = member.config.place("SimulatorOutputs", index, "type")
-                yield problem("G026", place, message=name)
+                yield problem("G026", place, message=source.type.partition("/")[2])
 
 
 def shared_by_robots(members: Sequence[WiredMonitor]) -> str | None:
@@ -155,26 +154,6 @@ def absent_publishers(deployment: Deployment) -> Iterator[Problem]:
         for index, source in enumerate(config.config.SimulatorOutputs):
             if source.id not in required or kind_of_message(source.type) is None or source.peers:
                 continue
-            if deployment.publisher(member, source) or deployment.other(member, source):
-                continue
-            topic = member.topic(source.topic)
-            known = {
-                at: of.member.name
-                for at, publishers in deployment.publishers.items()
-                for of in publishers
-                if of.publication.type == source.type and of.member is not member
-            }
-            similar = most_similar(topic, known)
-            alike = f"did you mean {similar} ({known[similar]})? Else " if similar else ""
-            hint = f"{alike}check it together with the configuration and the model of its publisher"
-            place = config.place("SimulatorOutputs", index, "topic")
-            yield problem("D006", place, hint=hint, topic=topic, files=where)
-
-
-def _shared(topic: str, first: Publisher, second: Publisher) -> Problem:
-    names = {"first": first.member.name, "second": second.member.name, "topic": topic}
-    place = second.publication.place
-    if first.member.namespace == second.member.namespace:
-        return problem("D005.shared", place, **names)
-    relative = second.publication.output.topic.removeprefix("/")
-    return problem("D005.robots", place, relative=relative, **names)
+            if not (deployment.publisher(member, source) or deployment.other(member, source)):
+                place = config.place("SimulatorOutputs", index, "topic")
+                yield problem("D006", place, topic=member.topic(source.topic), files=where)

@@ -5,7 +5,6 @@ Needs the extra ``bags`` (rosbags), and no ROS.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -19,7 +18,6 @@ from eddi_scaffold.common.problems import (
     EddiError,
     Place,
     Problem,
-    most_similar,
     problem,
 )
 from eddi_scaffold.config.field_types import EITHER_TIMES, TIMES, Fields, MessageFields
@@ -33,7 +31,6 @@ from eddi_scaffold.recordings.members import Member, published
 
 _NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
 """Packages of the messages that monitors publish, and those of ROS about itself."""
-_MOST_HINTS = 20  # topics that similar ones are looked for: to compare texts is slow
 _SET_CLOCK_NS = 10**18  # since 2001 the clock of a computer that has been set is beyond this
 _TIMES = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 
@@ -95,9 +92,10 @@ def read_bag(path: Path, members: Sequence[Member]) -> tuple[Recording, list[Pro
             for connection, t, data in bag.messages(connections)
             if t >= start
         )
-        topics = {topic_of(c): type_of(c) for c in bag.connections if c.msgcount}
-        warnings = list(_absent(place, topics, outside))
-        computed = {topic_of(c) for c in bag.connections} & (listeners.keys() - outside)
+        recorded = {topic_of(c) for c in bag.connections if c.msgcount}
+        lacking = ", ".join(topic for topic in outside if topic not in recorded)
+        warnings = [problem("I004.no_message", place, lacking=lacking)] if lacking else []
+        computed = {topic_of(c) for c in bag.connections} & own & listeners.keys()
         if computed:
             warnings.append(problem("I003.published", place, topics=", ".join(sorted(computed))))
         if start != bag.start_time:
@@ -249,19 +247,3 @@ def _name_times_as_rospy(types: Mapping[str, Any]) -> None:
         time = types.get(f"builtin_interfaces/msg/{name}")
         if time is not None:
             time.secs, time.nsecs = property(attrgetter("sec")), property(attrgetter("nanosec"))
-
-
-def _absent(place: Place, topics: Mapping[str, str], listeners: Listeners) -> Iterator[Problem]:
-    """Warn of topics without a message (I004), with similar ones, of the same type if there are."""
-    lacking = {topic: who[0][1] for topic, who in listeners.items() if topic not in topics}
-    if not lacking:
-        yield problem("I004.all_topics", place)
-        return
-    hints = []
-    for topic, source in itertools.islice(lacking.items(), _MOST_HINTS):
-        same_type = [name for name, type_ in topics.items() if type_ == source.type]
-        similar = most_similar(topic, same_type) or most_similar(topic, topics)
-        hints += [f"the bag has {similar} ({topics[similar]})"] if similar else []
-    hint = ", ".join(dict.fromkeys(hints)) or None
-    names = ", ".join(lacking)
-    yield problem("I004.no_message", place, hint=hint, lacking=names)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 TIME = "t"
 MAX_PROBLEMS = 10
-"""Errors that are listed of one file; a wrong column would else be reported for every row."""
+"""Errors after which no more rows are read: a wrong column would be reported for every one."""
 MAX_TIME_S = 9e9  # 285 years: a monitor counts nanoseconds in 64 bits
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASCII)
@@ -41,7 +41,7 @@ _OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 _POINT = "numbers have a decimal point, commas separate cells"
 _EXPECTED: Mapping[str, str] = {
     "bool": "true, false, 1, 0, or nan for unknown",
-    "float": "a number, or nan for unknown",
+    "float": "a number with a decimal point and no unit, or nan for unknown",
     "int": "a whole number, or nan for unknown",
     "str": "a text",
     "state": "a state, or numbers with blanks between them",
@@ -88,23 +88,6 @@ def recording_of(rows: Sequence[Row]) -> Recording:
     return Recording(times[0], times[-1], tuple(samples), times)
 
 
-def read_recording(
-    source: Source, types: Mapping[str, InputType]
-) -> tuple[Recording, list[Problem]]:
-    """Read the values of inputs; arguments are those of ``read_rows``.
-
-    Returns:
-        The recording, and warnings.
-
-    Raises:
-        EddiError: a problem is an error (I001, I003, I006).
-    """
-    rows, problems = read_rows(source, types)
-    if rows is None:
-        raise EddiError(*problems)
-    return recording_of(rows), problems
-
-
 def read_rows(
     source: Source, types: Mapping[str, InputType]
 ) -> tuple[Sequence[Row] | None, list[Problem]]:
@@ -148,7 +131,6 @@ class _Reader:
         self.problems: list[Problem] = []
         self._file, self._types = file, types
         self._errors = 0
-        self._cut: int | None = None  # line of the first error that is not listed
 
     def read(self, lines: Sequence[str]) -> list[Row]:
         filled = [(number, line) for number, line in enumerate(lines, 1) if line.strip()]
@@ -159,25 +141,21 @@ class _Reader:
         columns = self._columns(*header)
         rows: list[Row] = []
         for number, line in rest if TIME in columns else ():
+            if self._errors >= MAX_PROBLEMS:
+                self._report("I001.more", number, 1)
+                break
             row = self._row(number, line, columns, rows[-1].t if rows else -math.inf)
             if row is not None:
                 rows.append(row)
         if not rest and not self._errors:
             self._report("I001.no_rows", header[0], 1)
-        if self._cut is not None:
-            place, number = Place(self._file, self._cut), self._errors - MAX_PROBLEMS
-            self.problems.append(problem("I001.more", place, number=number))
         return rows
 
     def _report(
         self, case: str, line: int, col: int, /, *, hint: str | None = None, **fields: object
     ) -> None:
         self._errors += 1
-        if self._errors <= MAX_PROBLEMS:
-            place = Place(self._file, line, col)
-            self.problems.append(problem(case, place, hint=hint, **fields))
-        else:
-            self._cut = self._cut or line
+        self.problems.append(problem(case, Place(self._file, line, col), hint=hint, **fields))
 
     def _columns(self, number: int, line: str) -> tuple[str, ...]:
         """Return the names of the columns; the first ``t`` is the time, also if an input is t."""
@@ -201,8 +179,6 @@ class _Reader:
             elif name not in self._types:
                 known = f"columns are t and the inputs: {', '.join(self._types)}"
                 hint = did_you_mean(name, self._types) or known
-                if self._types.get(head := name.partition("[")[0]) == "float[]":
-                    hint = f"a list is one cell, with blanks: {head}"
                 self._report("I003.unknown_column", number, col, hint=hint, column=name)
             seen.add(name)
         self.problems += [
@@ -233,7 +209,7 @@ class _Reader:
     def _time(self, cell: _Cell, number: int, last: float) -> float | None:
         t = float(cell.text) if _NUMBER.fullmatch(cell.text) else math.nan
         if not math.isfinite(t):
-            self._report("I001.time", number, cell.col, hint=_hint(cell), cell=cell.text)
+            self._report("I001.time", number, cell.col, cell=cell.text)
         elif abs(t) > MAX_TIME_S:
             self._report("I001.time_range", number, cell.col, cell=cell.text)
         elif t <= last:
@@ -246,7 +222,7 @@ class _Reader:
         value = _converted(cell.text, type_)
         if value is None:
             fields = {"cell": cell.text, "expected": _EXPECTED[type_]}
-            self._report("I006.cell", number, cell.col, hint=_hint(cell), **fields)
+            self._report("I006.cell", number, cell.col, **fields)
         return value
 
     def cells(self, number: int, line: str) -> list[_Cell] | None:
@@ -266,12 +242,6 @@ class _Reader:
             position = match.end()
         self._report("I001.quote", number, position + 1)
         return None
-
-
-def _hint(cell: _Cell) -> str | None:
-    if cell.text.endswith("%"):
-        return "write the number alone: 80 where the unit is percent, 0.8 where it is fraction"
-    return _POINT if "," in cell.text else None
 
 
 def _converted(text: str, type_: InputType) -> JsonValue:

@@ -18,7 +18,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, known_types
 from eddi_scaffold.monitors.input_binding import InputBinding, fits
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.robots import fleet_message
-from eddi_scaffold.recordings.csv_recording import Recording, header_of, read_recording
+from eddi_scaffold.recordings.csv_recording import Recording, header_of, read_rows, recording_of
 from eddi_scaffold.recordings.node import Message, Publications, blank
 
 _LAYOUT = "layout"  # of a MultiArray, beside its one value
@@ -179,7 +179,10 @@ def read_values(
                 topics[topic], types[topic] = made, made.value_type
             elif topic not in shared:
                 unreached[f"{member.name}.{binding.model.id}"] = None
-    recording, problems = read_recording(file, types)
+    rows, problems = read_rows(file, types)
+    if rows is None:
+        raise EddiError(*problems)
+    recording = recording_of(rows)
     samples = (
         replace(s, message=topics[s.topic].message(s.message)) if s.topic in topics else s
         for s in recording.samples

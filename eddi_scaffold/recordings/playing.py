@@ -15,6 +15,7 @@ from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.peers import Fleet
 
+from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
@@ -52,14 +53,6 @@ class StepRule:
 ROWS = StepRule(None, on_change=True)  # one step for each row, or message, and no other
 
 
-def step_rule(monitor: BoundMonitor) -> StepRule:
-    """Return how the node of a monitor steps; without a configuration, for each row."""
-    if monitor.config is None:
-        return ROWS
-    section = monitor.config.config.Model
-    return StepRule(SECOND / section.frequency, section.mode == "on_change")
-
-
 @dataclass(frozen=True)
 class PlayedMonitor:
     """One monitor that is played."""
@@ -86,7 +79,7 @@ def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
 def played(members: Sequence[Member], rule: StepRule | None = None) -> list[PlayedMonitor]:
     """Return members as they are played, publishers before those who listen to them.
 
-    Each steps as its node would, or all by a rule.
+    Each steps as its node would, without a configuration for each row; or all by a rule.
     """
     several = len(members) > 1
     monitors = []
@@ -105,12 +98,16 @@ def played(members: Sequence[Member], rule: StepRule | None = None) -> list[Play
         if fleet is not None:
             sources.setdefault(fleet.topic, {})[WORDS] = None
         running, node = _started(member, fleet)
+        own = ROWS
+        if member.monitor.config is not None:
+            section = member.monitor.config.config.Model
+            own = StepRule(SECOND / section.frequency, section.mode == "on_change")
         monitors.append(
             PlayedMonitor(
                 member.name if several else "",
                 running,
                 node,
-                rule or step_rule(member.monitor),
+                rule or own,
                 {topic: list(ids) for topic, ids in sources.items()},
                 limits,
                 member.publications if several else None,
@@ -118,7 +115,16 @@ def played(members: Sequence[Member], rule: StepRule | None = None) -> list[Play
                 member.code.folder if member.code is not None else None,
             )
         )
-    return _in_order(monitors)
+    publishers = {
+        str(number): tuple(
+            str(other)
+            for other, of in enumerate(monitors)
+            if of.publisher is not None and of.publisher.topics & monitor.sources.keys()
+        )
+        for number, monitor in enumerate(monitors)
+    }
+    ordered = in_order(publishers)  # without those that listen to each other
+    return [monitors[int(k)] for k in dict.fromkeys([*ordered, *publishers])]
 
 
 def _started(member: Member, fleet: Fleet | None) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
@@ -146,25 +152,6 @@ def _lines(member: Member, binding: InputBinding, eddi_input: Any) -> Process:
     if process is None or make is None or not member.is_by_hand(binding):
         return lambda value: setattr(eddi_input, name, value)
     return lambda value: process(make(value))
-
-
-def _in_order(monitors: Sequence[PlayedMonitor]) -> list[PlayedMonitor]:
-    """Return publishers before those who listen to them, as far as no two listen to each other."""
-    ordered: list[PlayedMonitor] = []
-    begun: set[int] = set()
-
-    def visit(monitor: PlayedMonitor) -> None:
-        if id(monitor) in begun:
-            return
-        begun.add(id(monitor))
-        for other in monitors:
-            if other.publisher is not None and other.publisher.topics & monitor.sources.keys():
-                visit(other)
-        ordered.append(monitor)
-
-    for monitor in monitors:
-        visit(monitor)
-    return ordered
 
 
 class Steps:

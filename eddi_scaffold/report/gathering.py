@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 from eddi_scaffold.common.files import read_regular, read_source
 from eddi_scaffold.common.problems import EddiError, Place, problem
@@ -74,12 +74,9 @@ def _injected(path: Path) -> tuple[Sequence[Row], Mapping[str, str]]:
     source = read_source(path)
     try:
         data = json.loads(source.data)
-        rows = [_row(row) for row in data["rows"]]
+        names = [field.name for field in fields(Row)]
+        rows = [Row(**{name: row[name] for name in names}) for row in data["rows"]]
         return rows, {of["monitor"]: of["digest"] for of in data["monitors"]}
     except (ValueError, KeyError, TypeError) as failure:
         refused = problem("F003.faults", Place(str(path)), reason=failure)
         raise EddiError(refused) from None
-
-
-def _row(data: Mapping[str, Any]) -> Row:
-    return Row(**{name: of for name, of in data.items() if name not in ("verdict", "accepted")})

@@ -36,16 +36,13 @@ def export_ids(keys: Iterable[Key]) -> dict[Key, str]:
     It matches ``[A-Z0-9_]{5,}``. Where two keys would have the same, each has six digits of its
     own behind.
     """
-    names = {key: "_".join(_upper(part) for part in key if part) for key in keys}
-    counts = Counter(names.values())
-    return {
-        key: name if counts[name] == 1 else f"{name}_{_digest(key)}" for key, name in names.items()
-    }
-
-
-def _upper(text: str) -> str:
-    return re.sub(r"[^A-Z0-9]+", "_", text.upper()).strip("_") or "X"
-
-
-def _digest(key: Key) -> str:
-    return hashlib.sha256("\0".join(key).encode()).hexdigest()[:6].upper()
+    ids: dict[Key, str] = {}
+    for key in keys:
+        parts = (re.sub(r"[^A-Z0-9]+", "_", part.upper()).strip("_") for part in key if part)
+        ids[key] = "_".join(part or "X" for part in parts)
+    counts = Counter(ids.values())
+    for key, id_ in ids.items():
+        if counts[id_] > 1:
+            digest = hashlib.sha256("\0".join(key).encode()).hexdigest()
+            ids[key] = f"{id_}_{digest[:6].upper()}"
+    return ids

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import OrderedDict
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from functools import lru_cache
 from queue import Empty, SimpleQueue
 from typing import Any
 
@@ -47,11 +47,10 @@ _DEPTH = 10
 _PARTICIPANTS = 10_000  # each tells once of which nodes it is
 _BATCH = 100
 _MANY = 100_000
-_STAMP = 12  # bytes of a message before the frame of its header: encapsulation and stamp
+_BEFORE_STAMP, _BEHIND_STAMP = 4, 12  # bytes of a message
 _REMEMBERED = 512
 _GID_BYTES = (24, 16)  # of an identity on the graph up to Humble, and of later releases
 _GUID_BYTES = 16
-_DEFINITION = 24  # number of the policy that definitions are alike
 _ANY = ViewState.Any | InstanceState.Any | SampleState.Any
 _GONE = (
     ViewState.Any
@@ -163,18 +162,13 @@ class _Domain:
             Empty where the graph does not tell; ``None`` while it may still do so: a message that
             is believed under no name would be of a monitor that then falls silent.
         """
-        if writer in self._node_of:
-            return self._node_of[writer]
-        endpoint = reader.get_matched_publication_data(writer)
-        name = self._nodes.get(endpoint.key.bytes, "") if endpoint is not None else ""
-        if not name and now - self._first.setdefault(writer, now) < _GRACE_S:
-            self._due = min(self._due, now + _SOON_S)
-            return None
-        self._first.pop(writer, None)
-        if len(self._node_of) + len(self._first) > _MANY:  # who comes and goes for years
-            self._node_of.clear()
-            self._first.clear()
-        self._node_of[writer] = self._prefix + name if name else ""
+        if writer not in self._node_of:
+            endpoint = reader.get_matched_publication_data(writer)
+            name = self._nodes.get(endpoint.key.bytes, "") if endpoint is not None else ""
+            if not name and now - self._first.setdefault(writer, now) < _GRACE_S:
+                self._due = min(self._due, now + _SOON_S)
+                return None
+            self._node_of[writer] = self._prefix + name if name else ""
         return self._node_of[writer]
 
     def _look(self) -> None:
@@ -206,16 +200,12 @@ class _Domain:
             name = f"{node.node_namespace.rstrip('/')}/{node.node_name}"
             gids = (bytes(gid.data[:_GUID_BYTES]) for gid in node.writer_gid_seq)
             self._nodes.update(dict.fromkeys(gids, name))
-            while len(self._nodes) > _MANY:  # who comes and goes for years
-                del self._nodes[next(iter(self._nodes))]
 
     def notes(self) -> Iterator[str]:
         for topic, (type_, condition) in self._conditions.items():
-            status = condition.reader.get_requested_incompatible_qos_status()
-            if status.total_count and status.last_policy_id == _DEFINITION:
-                yield f"{self._prefix}{topic}: a publisher has another definition of {type_}"
-            elif status.total_count:
-                yield f"{self._prefix}{topic}: a publisher offers another quality of service"
+            if condition.reader.get_requested_incompatible_qos_status().total_count:
+                other = f"another definition of {type_}, or another quality of service"
+                yield f"{self._prefix}{topic}: a publisher has {other}"
 
     def close(self) -> None:
         for _, condition in self._conditions.values():
@@ -244,15 +234,12 @@ def _classes() -> dict[str, Any]:
 def _decode_changes_only(cls: Any) -> None:
     """Let messages that are equal behind their stamp be one object: only new ones are decoded."""
     decode = cls.deserialize
-    last: OrderedDict[bytes, Any] = OrderedDict()
+
+    @lru_cache(_REMEMBERED)
+    def decoded(head: bytes, rest: bytes, **more: object) -> Any:
+        return decode(head + bytes(_BEHIND_STAMP - _BEFORE_STAMP) + rest, **more)
 
     def read(_: Any, data: bytes, /, **more: object) -> Any:
-        key = bytes(data[_STAMP:])
-        if key not in last:
-            if len(last) >= _REMEMBERED:
-                last.popitem(last=False)
-            last[key] = decode(data, **more)
-        last.move_to_end(key)
-        return last[key]
+        return decoded(bytes(data[:_BEFORE_STAMP]), bytes(data[_BEHIND_STAMP:]), **more)
 
     cls.deserialize = classmethod(read)

@@ -118,7 +118,6 @@ class _Stream:
     begun: bool = False  # a message came that was not kept
     reading: StatusReading | None = None  # what the verdicts come from, unless it is silent
     kept: StatusReading | None = None  # of a message of unknown age, until the next one comes
-    content: object = None  # of the last message
     usual: float = 0.0  # seconds between two messages
     gaps: deque[float] = field(default_factory=lambda: deque(maxlen=_GAPS))
     verdicts: dict[str, VerdictView] = field(default_factory=dict)
@@ -126,13 +125,12 @@ class _Stream:
     situation: str = ""
     silent: bool = False
 
-    def receive(self, message: Message) -> None:
+    def receive(self, t: float) -> None:
         """Note that a message came that was not kept."""
         if self.begun:
-            self.gaps.append(max(0.0, message.t - self.last))
+            self.gaps.append(max(0.0, t - self.last))
             self.usual = median(self.gaps)
-        self.last, self.begun, self.silent, self.kept = message.t, True, False, None
-        self.content = message.content
+        self.last, self.begun, self.silent, self.kept = t, True, False, None
 
 
 @dataclass
@@ -158,16 +156,6 @@ class _Monitor:
     @property
     def last(self) -> float:
         return max(stream.last for stream in self.streams.values())
-
-    def is_repeated_by(self, message: Message) -> bool:
-        """Take a message that is the same object as the last one; else return False."""
-        stream = self.streams.get(message.topic)
-        if stream is None or stream.content is not message.content:
-            return False
-        if message.kept or stream.silent or stream.kept is not None:
-            return False
-        stream.receive(message)
-        return True
 
     def change(self, verdict: VerdictView, before: State | None, t: float) -> Change:
         return Change(t, self.robot, self.name, verdict.id, verdict.state, before, verdict.reasons)
@@ -239,9 +227,6 @@ class FleetState:
 
     def take(self, message: Message) -> list[Change]:
         """Take one message; return what changed by it."""
-        monitor = self._monitors.get((base_topic(message.topic), message.node))
-        if monitor is not None and monitor.is_repeated_by(message):
-            return []
         try:
             if message.type == DIAGNOSTICS:
                 prefix = message.topic.removesuffix(DIAGNOSTICS_TOPIC)
@@ -256,7 +241,8 @@ class FleetState:
         except _UNREADABLE:
             self._note(f"{plain(message.topic)}: not a message {message.type} as known here")
             return []
-        monitor = monitor or self._new_monitor(message, known.title)
+        key = base_topic(message.topic), message.node
+        monitor = self._monitors.get(key) or self._new_monitor(message, known.title)
         if monitor is None:
             return []
         stream = monitor.streams.setdefault(message.topic, _Stream(message.t))
@@ -264,7 +250,7 @@ class FleetState:
             stream.kept = reading
             return []
         was_silent = stream.silent
-        stream.receive(message)
+        stream.receive(message.t)
         if reading.is_complete and reading == stream.reading:
             return []
         stream.reading = reading
@@ -327,7 +313,7 @@ class FleetState:
         robot = robot_of(message.topic, message.node, self._robots)
         if robot is None:
             return None
-        if len(self._monitors) >= MAX_MONITORS and not self._forget():
+        if len(self._monitors) >= MAX_MONITORS:
             self._note(f"only the first {MAX_MONITORS} monitors are shown")
             return None
         monitor = _Monitor(plain(robot), title, plain(topic), plain(message.node))
@@ -336,15 +322,6 @@ class FleetState:
                 monitor.is_alone = other.is_alone = False
         self._monitors[topic, message.node] = monitor
         return monitor
-
-    def _forget(self) -> bool:
-        """Drop the monitor that has been silent for longest; return False when none is silent."""
-        silent = [(m.last, key) for key, m in self._monitors.items() if m.is_silent]
-        if not silent:
-            return False
-        dropped = self._monitors.pop(min(silent)[1])
-        self._verdicts -= sum(len(stream.verdicts) for stream in dropped.streams.values())
-        return True
 
     def _changes_by(
         self,

@@ -10,20 +10,17 @@ import zlib
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
 from http import HTTPStatus
 from http.server import ThreadingHTTPServer
 from importlib.resources import files
-from typing import Any
 
 from eddi_scaffold.common import local_server
 from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, Refused
-from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.watch.fleet import RobotView, Snapshot
 from eddi_scaffold.watch.following import CONTENT_TYPE, Clock, metrics_text
-from eddi_scaffold.watch.messages import MAX_VERDICTS
 from eddi_scaffold.watch.robot_graph import robot_graph
 
 SHOWN_CHANGES = 50
@@ -69,23 +66,22 @@ class View:
                 told = verdict.why.sentence if verdict.why and verdict.why.causes else ""
                 why = told or ("" if verdict.word == "absent" else why)
                 why = "; ".join(filter(None, (why, verdict.text)))
-                row = (monitor.name, monitor.title, verdict.id, verdict.word, verdict.good, why)
-                rows.append(_row(*row, since if verdict.seen else f"≤ {since}"))
+                texts = {
+                    "monitor": monitor.name, "kind": monitor.title, "name": verdict.id,
+                    "state": verdict.word, "good": verdict.good, "mark": MARKS[verdict.good],
+                    "why": why, "since": since if verdict.seen else f"≤ {since}",
+                }  # fmt: skip
+                rows.append(_filled("verdict", texts))
                 counts[verdict.word] += 1
             facts += [f"{monitor.name} accepts {text}" for text in monitor.accepted]
             if monitor.report is not None and not monitor.silent:
                 facts.append(f"{monitor.name}: {monitor.report.message}")
         words = [*MARKS, *(word for word in ("absent", "present") if counts[word])]
         summary = ", ".join(f"{counts[word]} {word}" for word in words)
-        texts = {"number": number, "name": robot.name, "summary": summary}
-        texts["graph"] = _version(robot_graph(robot))
-        return _filled("robot", texts, rows="".join(rows), facts=_items(facts))
-
-
-@lru_cache(MAX_VERDICTS)
-def _row(monitor: str, kind: str, name: str, state: str, good: str, why: str, since: str) -> str:
-    texts = {"monitor": monitor, "kind": kind, "name": name, "state": state, "why": why}
-    return _filled("verdict", {**texts, "since": since, "good": good, "mark": MARKS[good]})
+        # another number for another graph, so that a browser asks for it anew
+        graph = zlib.crc32(repr(robot_graph(robot)).encode())
+        head = {"number": number, "name": robot.name, "summary": summary, "graph": graph}
+        return _filled("robot", head, rows="".join(rows), facts=_items(facts))
 
 
 def _items(texts: Iterable[str]) -> str:
@@ -103,15 +99,9 @@ def static(name: str) -> bytes:
     return files(__package__).joinpath("static", name).read_bytes()
 
 
-def _version(graph: Diagram) -> int:
-    """Return another number for another graph, so that a browser asks for it anew."""
-    return zlib.crc32(repr(graph).encode())
-
-
 STREAMS = 16  # at once
 _STREAM_S = 600.0  # after which a stream ends; a browser opens it anew
 _ALIVE_S = 5.0
-_PICTURES = 64
 _OLD_S = 10.0
 """After which numbers are not given any more: the view hangs, or the recording has ended."""
 _FILES = {"/style.css": CSS, "/page.js": JAVASCRIPT}
@@ -155,15 +145,13 @@ def open_server(port: int, feed: Feed) -> ThreadingHTTPServer:
     Raises:
         EddiError: the port is taken (E024).
     """
-    parts: dict[str, Any] = {"feed": feed, "pictures": {}}
-    parts["streams"] = threading.Semaphore(STREAMS)
+    parts = {"feed": feed, "streams": threading.Semaphore(STREAMS)}
     return local_server.open_server(port, _Handler, parts)
 
 
 class _Handler(Handler):
     feed: Feed
     streams: threading.Semaphore
-    pictures: dict[int, bytes]
     policy = _POLICY
 
     def get(self) -> None:
@@ -180,21 +168,13 @@ class _Handler(Handler):
                 raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, "the view is not new any more")
             self.send(HTTPStatus.OK, CONTENT_TYPE, metrics_text(view.snapshot).encode())
         elif match := _GRAPH.fullmatch(path):
-            self._graph(view, int(match[1]))
+            if int(match[1]) >= len(view.snapshot.robots):
+                raise Refused(HTTPStatus.NOT_FOUND, "there is no such robot")
+            picture = drawn(robot_graph(view.snapshot.robots[int(match[1])])).encode()
+            more = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'"}
+            self.send(HTTPStatus.OK, "image/svg+xml", picture, more)
         else:
             super().get()
-
-    def _graph(self, view: View, number: int) -> None:
-        if number >= len(view.snapshot.robots):
-            raise Refused(HTTPStatus.NOT_FOUND, "there is no such robot")
-        graph = robot_graph(view.snapshot.robots[number])
-        version = _version(graph)
-        if version not in self.pictures:
-            if len(self.pictures) >= _PICTURES:
-                self.pictures.clear()
-            self.pictures[version] = drawn(graph).encode()
-        more = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'"}
-        self.send(HTTPStatus.OK, "image/svg+xml", self.pictures[version], more)
 
     def _stream(self) -> None:
         if not self.streams.acquire(blocking=False):

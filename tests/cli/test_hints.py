@@ -28,7 +28,7 @@ def test_a_sign_is_not_percent(cart: Path) -> None:
     assert (refused.status, "hint: write percent" in refused.err) == (1, True), refused.err
     (cart / "drive.csv").write_text("t,Charge\n0.0,80%\n")
     refused = run("run", "cart_config.yml", "--inputs", "drive.csv", cwd=cart)
-    assert (refused.status, "write the number alone: 80 where" in refused.err) == (2, True)
+    assert (refused.status, "a number with a decimal point and no unit" in refused.err) == (2, True)
 
 
 def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:

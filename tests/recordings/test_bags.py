@@ -118,17 +118,6 @@ def test_a_bag_of_ros2_gives_the_same_verdicts(
     assert verdicts(folder, "--bag", "ros2") == expected
 
 
-def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
-    written(folder / "a.bag", [healthy(0, True), demand(0, True)])
-    config = folder / "consert_a_config.yml"
-    edit(config, "/rte/e0a", "/robot/rte/e0")
-    edit(config, "consertb/g", "consrt/g")
-    words = ("run", "two_conserts.xml", "-c", config.name, "--bag", "a.bag", "--csv")
-    result = run(*words, cwd=folder)
-    near = f"{DEMAND} (eddi_messages/ConSertOutput), the bag has {EVIDENCE} (std_msgs/Bool)"
-    assert f"  hint: the bag has {near}\n" in result.err
-
-
 def test_inputs_of_hand_written_code_stay_unknown(folder: Path) -> None:
     written(folder / "a.bag", [healthy(0, True), demand(0.0, True), demand(0.2, True)])
     config = folder / "consert_a_config.yml"

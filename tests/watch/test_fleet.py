@@ -214,16 +214,6 @@ def test_what_a_monitor_says_no_more_is_gone() -> None:
     assert [one.id for one in only(state).verdicts] == ["B"]
 
 
-def test_who_is_silent_for_longest_makes_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fleet, "MAX_MONITORS", 3)
-    state = FleetState(patience_s=3.0)
-    for k in range(10):
-        state.look(10.0 * k)
-        state.take(message(10.0 * k, status(A=TRUE), f"/r{k}"))
-    assert [one.name for one in state.snapshot(95.0).robots] == ["/r7", "/r8", "/r9"]
-    assert state.snapshot(95.0).notes == ()
-
-
 def test_memory_is_limited_whatever_comes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fleet, "MAX_VERDICTS", 50)
     monkeypatch.setattr(fleet, "MAX_MONITORS", 20)
