@@ -42,7 +42,6 @@ def generate(
     runtime: Runtime = None,
     single_process: SingleProcess = None,
     rename: list[str] | None = None,
-    force: bool = False,
     dry_run: bool = False,
 ) -> None:
     """Generate monitors, also anew; hand-written lines stay.
@@ -63,7 +62,7 @@ def generate(
             "--platform": None if platform == DEFAULT else platform,
         }  # fmt: skip
         others = [option for option, value in values.items() if value is not None]
-        _generate_fleet(deployment, output, others, force=force, dry_run=dry_run)
+        _generate_fleet(deployment, output, others, dry_run=dry_run)
         return
 
     from eddi_scaffold.connect.robot import robot_models
@@ -97,7 +96,6 @@ def generate(
             assembly.packages,
             own_template(),
             renames=renames,
-            force=force,
             dry_run=dry_run,
             progress=console.progress,
         )
@@ -124,7 +122,7 @@ def _in_lines(command: str) -> str:
 
 
 def _generate_fleet(
-    deployment: Path, folder: Path | None, others: Sequence[str], *, force: bool, dry_run: bool
+    deployment: Path, folder: Path | None, others: Sequence[str], *, dry_run: bool
 ) -> None:
     """Write a workspace for each robot of a deployment file, and one for the station."""
     from eddi_scaffold.config.deployment_file import is_fleet
@@ -149,7 +147,6 @@ def _generate_fleet(
             sites,
             folder,
             own_template(),
-            force=force,
             dry_run=dry_run,
             progress=console.progress,
         )

@@ -142,7 +142,6 @@ def _shared_options() -> None:
         default_guarantee: `ID` or `CONSERT/ID` of a guarantee that holds always (fallback of its
             service).
         dry_run: Print the difference, change nothing.
-        force: Also packages that a later eddi-scaffold made.
         model: EDDI XML or a model file; a configuration may name its own.
         models: Directory of .ros, .ros1 and .ros2: nodes and message types.
         name: Which model of the file, when it contains several.

@@ -93,7 +93,6 @@ def upgrade(
     config: list[Path] | None = None,
     system: Path | None = None,
     models: Path | None = None,
-    force: bool = False,
     dry_run: bool = False,
 ) -> None:
     """Bring packages to this release; hand edits stay.
@@ -111,7 +110,7 @@ def upgrade(
     from eddi_scaffold.packages import upgrading
     from eddi_scaffold.packages.generation import WriteResult, write_packages
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import alone, linked_package
+    from eddi_scaffold.packages.workspace import alone
 
     if not config and (system is not None or models is not None):
         raise EddiError(problem("G000.no_configuration"))
@@ -129,11 +128,10 @@ def upgrade(
                 group.root,
                 targets,
                 template,
-                force=force,
                 dry_run=dry_run,
                 progress=console.progress,
             )
-            remaining = [*map(linked_package, group.links), *upgrading.compiled_before(targets)]
+            remaining = upgrading.compiled_before(targets)
             outcomes.append(replace(outcome, left=[*remaining, *outcome.left]))
     finish(*outcomes, dry_run=dry_run)
 
