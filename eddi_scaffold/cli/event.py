@@ -100,13 +100,7 @@ def event(
     elif check:
         console.data("\n".join(as_text(analysis)))
     else:
-        own = path.stem if path is not None else "event"
-        stem = name or module_name(own)
-        if name is None and stem != own:
-            console.say(
-                f"note: files and functions begin with {stem!r}, not {own!r}; "
-                "--name chooses another"
-            )
+        stem = name or module_name(path.stem if path is not None else "event")
         files = generate(analysis, target, stem)
         _write(report_json(analysis), files, output, as_json=as_json)
 

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
-from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eddi_scaffold.cli.console import ExitStatus, console
-from eddi_scaffold.cli.options import Output, PlatformName, Runtime, SingleProcess, in_a_folder
+from eddi_scaffold.cli.options import Output, PlatformName, Runtime, SingleProcess
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, plural, problem
 from eddi_scaffold.platforms import DEFAULT, Platform
@@ -108,17 +107,8 @@ def generate(
     if shared is not None:
         console.say(f"note: {shared}")
     steps = [f"write {where}" for where in unwritten(root, monitors)]
-    steps += map(_in_lines, target.next_steps(place, assembly.monitors))
+    steps += target.next_steps(place, assembly.monitors)
     finish(replace(outcome, left=left, notes=notes), dry_run=dry_run, next_steps=steps)
-
-
-def _in_lines(command: str) -> str:
-    """Return a command of the shell on several lines where it is long."""
-    quoted = "'" in command  # a blank may be inside of an argument
-    lines = (
-        [command] if quoted else wrap(command, 90, break_long_words=False, break_on_hyphens=False)
-    )
-    return " \\\n      ".join(lines)
 
 
 def _generate_fleet(
@@ -157,13 +147,12 @@ def _generate_fleet(
     console.problems(without_written_inputs([*problems, *more], packages))
     steps = [f"write this input: {where}" for where in open_inputs(sites, folder)]
     for site in sites:
-        commands = map(_in_lines, site.next_steps(folder / site.name))
-        steps += [f"{site.name}: {command}" for command in commands]
+        steps += [f"{site.name}: {command}" for command in site.next_steps(folder / site.name)]
     finish(outcome, dry_run=dry_run, next_steps=steps)
 
 
 def answers(
-    output: Annotated[Path, typer.Option("-o", "--output", callback=in_a_folder)],
+    output: Annotated[Path, typer.Option("-o", "--output")],
     model: Path | None = None,
     config: Path | None = None,
     name: str | None = None,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Collection
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -224,7 +222,6 @@ def trace(
     workspace: WherePackagesAre = None,
     model: Path | None = None,
     as_json: bool = False,
-    as_csv: bool = False,
 ) -> None:
     """Print what became of each element of the models.
 
@@ -233,16 +230,13 @@ def trace(
     Example: eddi-scaffold trace -w catkin_ws
 
     Args:
-        as_csv: Print one table for a spreadsheet.
         model: EDDI XML; its hazards and requirements are followed to what they rest on.
     """
     from eddi_scaffold.deployments.lifetimes import bounds
     from eddi_scaffold.deployments.support import acceptances, facts_of_package
-    from eddi_scaffold.packages.tracing import COLUMNS, hazard_trace, trace_of
+    from eddi_scaffold.packages.tracing import hazard_trace, trace_of
     from eddi_scaffold.packages.upgrading import groups
 
-    if as_json and as_csv:
-        raise EddiError(problem("G000.exclude", options="--json and --csv"))
     chosen = groups(workspace, packages or [])
     present = [package for group in chosen for package in group.present.items()]
     traces = [trace_of(answers) for _, answers in present if "facts" in answers]
@@ -263,14 +257,6 @@ def trace(
                 **(more if model is not None else {}),
             }
         )
-    elif as_csv:
-        table = io.StringIO()
-        writer = csv.writer(table, lineterminator="\n")
-        writer.writerow(("package", "model", "sha256", *COLUMNS))
-        for trace in traces:
-            head = (trace.package, trace.model, trace.sha256)
-            writer.writerows((*head, *trace.cells(row)) for row in trace.rows)
-        console.data(table.getvalue().rstrip("\n"))
     else:
         console.data("\n\n".join(trace.as_text() for trace in traces))
         parts: dict[str, Collection[Any]] = {"accepted": accepted, "silence": limits}
