@@ -40,7 +40,7 @@ def main() -> None:
 
 def _status(arguments: Sequence[str]) -> int:
     """Run one command and return its exit status."""
-    console.quiet, console.verbose, console.colour = False, False, None
+    console.quiet, console.verbose = False, False
     with_traceback = "--traceback" in arguments
     try:
         from eddi_scaffold.cli.app import app  # Ctrl-C while this loads is caught, too
@@ -80,10 +80,6 @@ def _fail(problems: Sequence[Problem], arguments: Sequence[str]) -> int:
 
 
 def _misused(failed: Any, arguments: Sequence[str]) -> int:
-    command = failed.ctx.command if getattr(failed, "ctx", None) is not None else None
-    options = {name for param in getattr(command, "params", ()) for name in param.opts}
-    if "unexpected extra argument" in failed.message and "-c" in options:
-        failed.message += "; a configuration is -c FILE"
     if _wants_json(arguments):
         reason = " ".join(failed.format_message().split())
         return _fail([problem("G000.usage", reason=reason)], arguments)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand, TyperGroup
+from typer.core import TyperGroup
 
 from eddi_scaffold import __version__
 from eddi_scaffold.cli import (
@@ -28,13 +27,7 @@ from eddi_scaffold.cli.options import as_typer_reads
 
 
 class _Groups(TyperGroup):
-    """Lists commands below the headings of ``COMMANDS``; ``help`` and ``version`` are options."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read the first words."""
-        if args[:1] in (["help"], ["version"]):
-            args = [*args[1:], f"--{args[0]}"]
-        return super().parse_args(ctx, args)
+    """Lists commands below the headings of ``COMMANDS``."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section for each group, all of one width."""
@@ -43,26 +36,6 @@ class _Groups(TyperGroup):
             rows = [(name, self.commands[name].get_short_help_str(width)) for name in group]
             with formatter.section(title):
                 formatter.write_dl(rows)
-
-
-class _Command(TyperCommand):
-    """Names the type of one value, not that of the list in which the program gets them."""
-
-    def format_options(self, ctx: Any, formatter: Any) -> None:
-        """Write arguments and options, `<path>` in place of Typer's `<list[Path]>`."""
-        for title in ("Arguments", "Options"):
-            params = [p for p in self.get_params(ctx) if title.lower() == f"{p.param_type_name}s"]
-            records = [param.get_help_record(ctx) for param in params]
-            rows = [
-                (_LIST.sub(lambda list_: f"<{list_[1].lower()}>", name), text)
-                for name, text in filter(None, records)
-            ]
-            if rows:
-                with formatter.section(title):
-                    formatter.write_dl(rows)
-
-
-_LIST = re.compile(r"<list\[(.+?)\]>")
 
 
 app = typer.Typer(
@@ -115,4 +88,4 @@ COMMANDS = {
 }
 for _group in COMMANDS.values():
     for _name, _command in _group.items():
-        app.command(_name, cls=_Command)(as_typer_reads(_command))
+        app.command(_name)(as_typer_reads(_command))

@@ -173,17 +173,10 @@ def _result(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
     """Return what became of the configuration."""
     from eddi_scaffold.config.topic_block import KEPT_ENTRIES
 
-    failed, is_new = has_errors(parsed.problems), parsed.document.is_new
-    if failed and not parsed.outputs.topics:
-        return f"nothing resolved, so {config} is not {'written' if is_new else 'changed'}"
     if not parsed.is_changed:
-        result = f"{config} is up to date"
-    elif is_new:
-        result = f"{config} {'would be' if dry_run else 'is'} written"
+        result = f"{config} is not changed"
     else:
-        result = f"{config}{' would change' if dry_run else ': SimulatorOutputs is rewritten'}"
-    if failed:
-        result += " with what resolved"
+        result = f"{config} {'would be' if dry_run else 'is'} written"
     kept = sum(problem.case in KEPT_ENTRIES for problem in parsed.problems)
     stays = "1 entry of before stays" if kept == 1 else f"{kept} entries of before stay"
     return f"{result}; {stays}" if kept else result

@@ -69,7 +69,6 @@ class Console:
 
     quiet = False  # print errors only
     verbose = False  # print infos as well
-    colour: bool | None = None  # `None`: by terminal, `NO_COLOR` and `FORCE_COLOR`
 
     def data(self, text: str) -> None:
         """Print data that one could pipe."""
@@ -126,10 +125,8 @@ class Console:
         return "".join(f"{line}\n" for line in lines)
 
     def _painted(self, role: str, text: str) -> str:
-        coloured = self.colour
-        if coloured is None:
-            forced = bool(os.environ.get("FORCE_COLOR")) or _on_terminal()
-            coloured = forced and not os.environ.get("NO_COLOR")
+        forced = bool(os.environ.get("FORCE_COLOR")) or _on_terminal()
+        coloured = forced and not os.environ.get("NO_COLOR")
         return f"\x1b[{_COLOURS[role]}m{text}\x1b[0m" if coloured else text
 
 

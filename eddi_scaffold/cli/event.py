@@ -109,11 +109,6 @@ def event(
         console.data("\n".join(as_text(analysis)))
     else:
         stem = name or module_name(own)
-        if name is None and stem != own:
-            console.say(
-                f"note: files and functions begin with {stem!r}, not {own!r}; "
-                "--name chooses another"
-            )
         files = generate(analysis, target, stem)
         _write(report_json(analysis), files, output, as_json=as_json)
 

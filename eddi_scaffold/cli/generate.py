@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
-from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eddi_scaffold.cli.console import ExitStatus, console
-from eddi_scaffold.cli.options import Output, PlatformName, Runtime, SingleProcess, in_a_folder
+from eddi_scaffold.cli.options import Output, PlatformName, Runtime, SingleProcess
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, plural, problem
 from eddi_scaffold.platforms import DEFAULT, Platform
@@ -42,7 +41,6 @@ def generate(
     runtime: Runtime = None,
     single_process: SingleProcess = None,
     rename: list[str] | None = None,
-    force: bool = False,
     dry_run: bool = False,
 ) -> None:
     """Generate monitors, also anew; hand-written lines stay.
@@ -63,7 +61,7 @@ def generate(
             "--platform": None if platform == DEFAULT else platform,
         }  # fmt: skip
         others = [option for option, value in values.items() if value is not None]
-        _generate_fleet(deployment, output, others, force=force, dry_run=dry_run)
+        _generate_fleet(deployment, output, others, dry_run=dry_run)
         return
 
     from eddi_scaffold.connect.robot import robot_models
@@ -97,7 +95,6 @@ def generate(
             assembly.packages,
             own_template(),
             renames=renames,
-            force=force,
             dry_run=dry_run,
             progress=console.progress,
         )
@@ -110,21 +107,12 @@ def generate(
     if shared is not None:
         console.say(f"note: {shared}")
     steps = [f"write {where}" for where in unwritten(root, monitors)]
-    steps += map(_in_lines, target.next_steps(place, assembly.monitors))
+    steps += target.next_steps(place, assembly.monitors)
     finish(replace(outcome, left=left, notes=notes), dry_run=dry_run, next_steps=steps)
 
 
-def _in_lines(command: str) -> str:
-    """Return a command of the shell on several lines where it is long."""
-    quoted = "'" in command  # a blank may be inside of an argument
-    lines = (
-        [command] if quoted else wrap(command, 90, break_long_words=False, break_on_hyphens=False)
-    )
-    return " \\\n      ".join(lines)
-
-
 def _generate_fleet(
-    deployment: Path, folder: Path | None, others: Sequence[str], *, force: bool, dry_run: bool
+    deployment: Path, folder: Path | None, others: Sequence[str], *, dry_run: bool
 ) -> None:
     """Write a workspace for each robot of a deployment file, and one for the station."""
     from eddi_scaffold.config.deployment_file import is_fleet
@@ -149,7 +137,6 @@ def _generate_fleet(
             sites,
             folder,
             own_template(),
-            force=force,
             dry_run=dry_run,
             progress=console.progress,
         )
@@ -160,13 +147,12 @@ def _generate_fleet(
     console.problems(without_written_inputs([*problems, *more], packages))
     steps = [f"write this input: {where}" for where in open_inputs(sites, folder)]
     for site in sites:
-        commands = map(_in_lines, site.next_steps(folder / site.name))
-        steps += [f"{site.name}: {command}" for command in commands]
+        steps += [f"{site.name}: {command}" for command in site.next_steps(folder / site.name)]
     finish(outcome, dry_run=dry_run, next_steps=steps)
 
 
 def answers(
-    output: Annotated[Path, typer.Option("-o", "--output", callback=in_a_folder)],
+    output: Annotated[Path, typer.Option("-o", "--output")],
     model: Path | None = None,
     config: Path | None = None,
     name: str | None = None,

@@ -11,7 +11,6 @@ from copy import copy
 from functools import wraps
 from inspect import Parameter, getdoc, signature
 from pathlib import Path
-from shlex import quote
 from typing import Annotated, Any, get_args, get_origin
 
 import typer
@@ -26,30 +25,12 @@ _OTHER_PICTURES = frozenset(
 )
 
 
-def in_a_folder(path: Path | None) -> Path | None:
-    """Refuse, before anything is done, a place for output whose folder is not there.
-
-    A folder that is to be written may be new; one around it that is missing is a slip.
-
-    Raises:
-        EddiError: there is no such folder (F002).
-    """
-    if path is not None and not path.parent.is_dir():
-        place = Place(str(path))
-        there = next(parent for parent in path.parents if parent.exists())
-        if not there.is_dir():
-            raise EddiError(problem("F002.not_a_folder", place, folder=there))
-        quoted = quote(str(path.parent))
-        raise EddiError(problem("F002.no_folder", place, folder=path.parent, quoted=quoted))
-    return path
-
-
 def for_pictures(path: Path | None) -> Path | None:
-    """Refuse the same (F002), and a name of a picture of another format (G000)."""
+    """Refuse a name of a picture of another format than SVG (EddiError, G000)."""
     if path is not None and path.suffix.lower() in _OTHER_PICTURES and not path.is_dir():
         svg = path.with_suffix(".svg")
         raise EddiError(problem("G000.picture", Place(str(path)), suffix=path.suffix, value=svg))
-    return in_a_folder(path)
+    return path
 
 
 def a_runtime(name: str | None) -> str | None:
@@ -59,7 +40,7 @@ def a_runtime(name: str | None) -> str | None:
     return name
 
 
-Output = Annotated[Path | None, typer.Option("-o", "--output", callback=in_a_folder)]
+Output = Annotated[Path | None, typer.Option("-o", "--output")]
 Files = Annotated[list[Path] | None, typer.Argument(metavar="[FILE]...", show_default=False)]
 Domains = Annotated[list[int] | None, typer.Option("--domain", min=0, max=232)]
 Packages = Annotated[list[Path] | None, typer.Argument()]
@@ -110,10 +91,6 @@ def _verbose(value: bool) -> None:
     console.verbose = console.verbose or value
 
 
-def _color(value: bool | None) -> None:
-    console.colour = console.colour if value is None else value
-
-
 def _global_options(
     *,
     quiet: Annotated[
@@ -122,10 +99,6 @@ def _global_options(
     verbose: Annotated[
         bool, typer.Option("-v", "--verbose", callback=_verbose, help="Print infos as well.")
     ] = False,
-    color: Annotated[
-        bool | None,
-        typer.Option("--color/--no-color", callback=_color, help="Default: on a terminal."),
-    ] = None,
     traceback: Annotated[
         bool, typer.Option("--traceback", help="Show where a bug happened.")
     ] = False,
@@ -142,7 +115,6 @@ def _shared_options() -> None:
         default_guarantee: `ID` or `CONSERT/ID` of a guarantee that holds always (fallback of its
             service).
         dry_run: Print the difference, change nothing.
-        force: Also packages that a later eddi-scaffold made.
         model: EDDI XML or a model file; a configuration may name its own.
         models: Directory of .ros, .ros1 and .ros2: nodes and message types.
         name: Which model of the file, when it contains several.

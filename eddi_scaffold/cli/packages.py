@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Collection
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -93,7 +91,6 @@ def upgrade(
     config: list[Path] | None = None,
     system: Path | None = None,
     models: Path | None = None,
-    force: bool = False,
     dry_run: bool = False,
 ) -> None:
     """Bring packages to this release; hand edits stay.
@@ -111,7 +108,7 @@ def upgrade(
     from eddi_scaffold.packages import upgrading
     from eddi_scaffold.packages.generation import WriteResult, write_packages
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import alone, linked_package
+    from eddi_scaffold.packages.workspace import alone
 
     if not config and (system is not None or models is not None):
         raise EddiError(problem("G000.no_configuration"))
@@ -129,11 +126,10 @@ def upgrade(
                 group.root,
                 targets,
                 template,
-                force=force,
                 dry_run=dry_run,
                 progress=console.progress,
             )
-            remaining = [*map(linked_package, group.links), *upgrading.compiled_before(targets)]
+            remaining = upgrading.compiled_before(targets)
             outcomes.append(replace(outcome, left=[*remaining, *outcome.left]))
     finish(*outcomes, dry_run=dry_run)
 
@@ -226,7 +222,6 @@ def trace(
     workspace: WherePackagesAre = None,
     model: Path | None = None,
     as_json: bool = False,
-    as_csv: bool = False,
 ) -> None:
     """Print what became of each element of the models.
 
@@ -235,16 +230,13 @@ def trace(
     Example: eddi-scaffold trace -w catkin_ws
 
     Args:
-        as_csv: Print one table for a spreadsheet.
         model: EDDI XML; its hazards and requirements are followed to what they rest on.
     """
     from eddi_scaffold.deployments.lifetimes import bounds
     from eddi_scaffold.deployments.support import acceptances, facts_of_package
-    from eddi_scaffold.packages.tracing import COLUMNS, hazard_trace, trace_of
+    from eddi_scaffold.packages.tracing import hazard_trace, trace_of
     from eddi_scaffold.packages.upgrading import groups
 
-    if as_json and as_csv:
-        raise EddiError(problem("G000.exclude", options="--json and --csv"))
     chosen = groups(workspace, packages or [])
     present = [package for group in chosen for package in group.present.items()]
     traces = [trace_of(answers) for _, answers in present if "facts" in answers]
@@ -265,14 +257,6 @@ def trace(
                 **(more if model is not None else {}),
             }
         )
-    elif as_csv:
-        table = io.StringIO()
-        writer = csv.writer(table, lineterminator="\n")
-        writer.writerow(("package", "model", "sha256", *COLUMNS))
-        for trace in traces:
-            head = (trace.package, trace.model, trace.sha256)
-            writer.writerows((*head, *trace.cells(row)) for row in trace.rows)
-        console.data(table.getvalue().rstrip("\n"))
     else:
         console.data("\n\n".join(trace.as_text() for trace in traces))
         parts: dict[str, Collection[Any]] = {"accepted": accepted, "silence": limits}

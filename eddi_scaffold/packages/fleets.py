@@ -26,7 +26,6 @@ def write_sites(
     folder: Path,
     template: Template,
     *,
-    force: bool = False,
     dry_run: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[WriteResult, list[Problem]]:
@@ -46,9 +45,7 @@ def write_sites(
         for site, plan in plans.items()
         for package in plan.packages
     ]
-    outcome = write_packages(
-        folder, packages, template, force=force, dry_run=dry_run, progress=progress
-    )
+    outcome = write_packages(folder, packages, template, dry_run=dry_run, progress=progress)
     decide = [*outcome.left]
     for site, plan in plans.items():
         own = {monitor.package for monitor in site.monitors}

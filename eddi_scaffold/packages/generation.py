@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
@@ -15,7 +16,7 @@ from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.packages.handwritten import write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
-from eddi_scaffold.packages.unpacking import Unpacked, scratch_folder, unpacked
+from eddi_scaffold.packages.unpacking import Unpacked, unpacked
 from eddi_scaffold.packages.workspace import alone, lacks_answers, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers, owner_of
 from eddi_scaffold.regions.check import list_regions
@@ -75,14 +76,12 @@ def write_packages(
     template: Template,
     *,
     renames: Renames = NO_RENAMES,
-    force: bool = False,
     dry_run: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> WriteResult:
     """Render the packages, and bring what is below ``root`` to the renderings.
 
-    With ``force`` also packages that a later release made. ``progress`` is called with the folder
-    of each package before it is rendered.
+    ``progress`` is called with the folder of each package before it is rendered.
 
     Raises:
         EddiError: hand edits are in the way (H010), a folder was not generated (H012), a model
@@ -91,8 +90,7 @@ def write_packages(
             or a later release made a package (T006); nothing was written.
     """
     places = {package.folder: renames.place(root, package.folder) for package in packages}
-    if not force:
-        refuse_newer(places.values())
+    refuse_newer(places.values())
     for place in places.values():
         _refuse_foreign(place)
     if not dry_run:
@@ -101,7 +99,7 @@ def write_packages(
     editable: set[str] = set()
     with (
         alone(() if dry_run else filter(Path.is_dir, places.values())),
-        scratch_folder("eddi-scaffold-") as scratch,
+        tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch,
         unpacked(template.bundle or Path(template.location), template.ref) as source,
     ):
         notes = [(note, False) for note in source.notes]  # and whether a person must look

@@ -26,8 +26,6 @@ from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.regions.check import list_regions
 
-COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
-
 
 @dataclass(frozen=True)
 class TraceLink:
@@ -78,18 +76,21 @@ class Trace:
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``trace --json``."""
-        rows = [dict(zip(COLUMNS, self.cells(row), strict=True)) for row in self.rows]
-        pairs = zip(rows, self.rows, strict=True)
-        elements = [cells | {"links": [of.as_json() for of in row.links]} for cells, row in pairs]
+        elements = [
+            {
+                "element": row.element,
+                "id": row.id,
+                "file": None if row.is_configured else self.file,
+                "line": row.line,
+                "path": row.path,
+                "code": row.code,
+                "topics": " ".join(row.topics),
+                "links": [link.as_json() for link in row.links],
+            }
+            for row in self.rows
+        ]
         own = {name: value for name, value in vars(self).items() if name not in {"rows", "links"}}
         return {**own, "elements": elements, "links": [link.as_json() for link in self.links]}
-
-    def cells(self, row: TraceRow) -> tuple[JsonValue, ...]:
-        """Return the values of one row in the order of ``COLUMNS``."""
-        topics = " ".join(row.topics)
-        links = "; ".join(link.as_text(self.file) for link in row.links)
-        file = None if row.is_configured else self.file
-        return (row.element, row.id, file, row.line, row.path, row.code, topics, links)
 
     def as_text(self) -> str:
         """Return the table for people."""

@@ -36,8 +36,6 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answer
 from eddi_scaffold.packages.workspace import (
     check_answers,
     existing,
-    linked,
-    linked_package,
     model_id,
     root_below,
 )
@@ -53,7 +51,6 @@ class PackageGroup:
 
     root: Path  # the folder
     present: dict[str, dict[str, Any]]  # package folder -> answers
-    links: Sequence[Path] = ()  # links to packages, which are left alone
     robot: str = ""  # name of that workspace, where it is one of several robots; else empty
 
     def shown(self, folder: str) -> str:
@@ -74,11 +71,11 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
         return [_group(root, paths) for root, paths in by_root.items()]
     place = workspace or Path()
     candidates = [
-        PackageGroup(root, existing(root), linked(root), "" if robot is place else robot.name)
+        PackageGroup(root, existing(root), "" if robot is place else robot.name)
         for robot in _workspaces(place)
         for root in _roots(robot)
     ]
-    groups_there = [group for group in candidates if group.present or group.links]
+    groups_there = [group for group in candidates if group.present]
     if groups_there:
         return groups_there
     raise EddiError(problem("U001.nothing_here", Place(str(place))))
@@ -128,13 +125,13 @@ def _is_robot(workspace: Path) -> bool:
 
 def _group(root: Path, packages: Sequence[Path]) -> PackageGroup:
     present = {}
-    for path in (path for path in packages if not path.is_symlink()):
+    for path in packages:
         answers = read_answers(path)
         if answers is None:
             raise EddiError(problem("U001.not_a_package", Place(str(path))))
         check_answers(path, answers)
         present[path.name] = answers
-    return PackageGroup(root, present, [path for path in packages if path.is_symlink()])
+    return PackageGroup(root, present)
 
 
 def refuse_for_several(
@@ -384,5 +381,4 @@ def states_of(
             if region.review and region.state != "outside"
         ]
         states.append(PackageState(group.shown(folder), outdated, edited, dict(counts), review))
-    links = [(group.shown(link.name), linked_package(link)) for link in group.links]
-    return [*states, *(PackageState(name, [], [], {}, [reason]) for name, reason in links)]
+    return states

@@ -135,15 +135,3 @@ def root_below(place: Path, name: str) -> Path:
     if not root.resolve().is_relative_to(place.resolve()):
         raise EddiError(problem("F009.link", Place(str(root)), folder=place))
     return root
-
-
-def linked(root: Path) -> tuple[Path, ...]:
-    """Return the links directly below ``root`` that lead to generated packages."""
-    folders = sorted(root.iterdir()) if root.is_dir() else []
-    answers = [path / ANSWERS_FILE for path in folders if path.is_symlink()]
-    return tuple(path.parent for path in answers if os.access(path, os.R_OK) and path.is_file())
-
-
-def linked_package(link: Path) -> str:
-    """Report that the package behind a link is left alone."""
-    return f"{link.name} is a link: it is left alone; name the folder that it leads to"

@@ -8,7 +8,7 @@ the repository is, and a folder that merely looks like a bare one is none.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 _SETTINGS = (
@@ -78,12 +78,6 @@ def former_lines(package: Path, path: str) -> list[bytes]:
     """Return every line that a file of a package ever had, in any commit of any branch."""
     history = _asked(package, *_HISTORY.split(), "--", path).splitlines()
     return [line[1:] for line in history if line[:1] == b"+" and line[:4] != b"+++ "]
-
-
-def former_versions(package: Path, path: str) -> Iterator[bytes]:
-    """Yield a file of a package as it was in each commit of any branch, the newest first."""
-    commits = _asked(package, "log", "--all", "-m", "--format=%H", "--", path).decode().split()
-    yield from (version(package, path, commit) for commit in dict.fromkeys(commits))
 
 
 def version(package: Path, path: str, commit: str) -> bytes:

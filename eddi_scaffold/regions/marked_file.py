@@ -78,7 +78,7 @@ def parse(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
     lines = split_lines(text)
     faults: list[Fault] = []
     parts: list[str | Region] = []
-    first_lines: dict[str, int] = {}
+    ids: set[str] = set()
     begin: Marker | None = None
     body: list[str] = []
     for number, line in enumerate(lines, 1):
@@ -90,43 +90,34 @@ def parse(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
             body.append(line) if begin else parts.append(line.replace("\r\n", "\n"))
         elif marker.what == "begin":
             if begin:
-                faults.append(_missing_end(begin, number, lines))
+                faults.append(_missing_end(begin))
             begin, body = marker, []
         elif begin is None:
             reason = "end marker without begin; put the begin marker back above it"
             faults.append(Fault(number, reason))
         else:
             id_ = begin.id or marker.id or _enclosing_function(lines, begin)
-            first = first_lines.setdefault(id_, begin.line)
             if begin.id and marker.id and begin.id != marker.id:
-                there = f"the begin marker in line {begin.line} has {begin.id!r}"
-                reason = f"this end marker has the id {marker.id!r} but {there}"
+                reason = f"this end marker is of {marker.id!r}, its begin marker of {begin.id!r}"
                 faults.append(Fault(number, f"{reason}; give both the same id"))
             if not id_:
                 reason = "a marker without id must be inside a function"
                 faults.append(Fault(begin.line, f"{reason}; write '# region: ID' behind it"))
-            elif first != begin.line:
-                reason = f"second region {id_!r}, the first is in line {first}"
-                faults.append(Fault(begin.line, f"{reason}; keep one or give it another id"))
+            elif id_ in ids:
+                reason = f"second region {id_!r}; keep one or give it another id"
+                faults.append(Fault(begin.line, reason))
+            ids.add(id_)
             known = (begin.digests, begin.was, begin.now, begin.line, begin.text)
             parts.append(Region(id_, *known, "".join(body), marker.text))
             begin = None
     if begin:
-        faults.append(_missing_end(begin, len(lines) + 1, lines))
+        faults.append(_missing_end(begin))
     return MarkedFile(parts), tuple(sorted(faults, key=lambda fault: fault.line))
 
 
-def _missing_end(begin: Marker, limit: int, lines: Sequence[str]) -> Fault:
-    """Report a region without its end marker in the line above which that belongs."""
-    indent = len(indent_of(begin.text))
-    body = range(begin.line, limit - 1)
-    outside = (at for at in body if lines[at].strip() and len(indent_of(lines[at])) < indent)
-    at = next(outside, limit - 1)
-    while at > begin.line and not lines[at - 1].strip():
-        at -= 1
+def _missing_end(begin: Marker) -> Fault:
     name = f"region {begin.id!r}" if begin.id else "the region"
-    begins = f"which begins in line {begin.line}, is missing"
-    return Fault(at + 1, f"the end marker of {name}, {begins}; put it back before line {at + 1}")
+    return Fault(begin.line, f"{name} has no end marker; put it back below the hand code")
 
 
 def _enclosing_function(lines: Sequence[str], begin: Marker) -> str:

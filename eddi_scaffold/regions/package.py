@@ -11,15 +11,15 @@ import fcntl
 import hashlib
 import os
 import re
+import shutil
 import stat
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from itertools import chain
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from .choosing import Body
-from .git import both_sides, former_lines, former_versions
+from .git import both_sides, former_lines
 from .marked_file import parse, sides_of
 from .markers import text_digest
 
@@ -138,18 +138,14 @@ def bytes_at(root: Path, name: str) -> bytes | None:
 def known_file(root: Path, name: str, digest: str, folder: Path | None = None) -> bytes | None:
     """Return the bytes of a file that is known by its SHA-256, and that nothing renders.
 
-    It is taken from the package, from a folder, or from the history of git: a person may have
-    changed it, or a merge put there that of the other branch.
+    It is taken from the package, or from a folder.
     """
     if not is_relative(name):
         return None
     places = [] if obstacle(root, name) else [root / name]
     places += [] if folder is None else [folder / Path(name).name]
     there = (path.read_bytes() for path in places if path.is_file() and os.access(path, os.R_OK))
-    for data in chain(there, former_versions(root, name)):
-        if hashlib.sha256(data).hexdigest() == digest:
-            return data
-    return None
+    return next((data for data in there if hashlib.sha256(data).hexdigest() == digest), None)
 
 
 def read_file(root: Path, name: str) -> PackageFile | None:
@@ -278,14 +274,14 @@ class Plan(NamedTuple):
                 target.unlink(missing_ok=True)
                 _remove_empty(target.parent, self.root)
         for folder in (PUT, NEW):
-            remove_tree(self.root / folder)
+            shutil.rmtree(self.root / folder, ignore_errors=True)
         for place in (self.root / EDDI, self.root):
             _remove_empty(place, self.root.parent)
 
     def _refuse_saved(self) -> None:
         for name, stamp in self.stamps.items():
             if stamp_of(self.root / name) != stamp:
-                remove_tree(self.root / PUT)
+                shutil.rmtree(self.root / PUT, ignore_errors=True)
                 reason = "it was saved while this command was running"
                 raise SavedError(errno.EBUSY, reason, str(self.root / name))
 
@@ -318,18 +314,9 @@ def locked(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def remove_tree(folder: Path) -> None:
-    """Remove a folder, nothing behind links; `shutil` takes long to import."""
-    with suppress(OSError):
-        for place, folders, names in os.walk("" if folder.is_symlink() else folder, topdown=False):
-            for path in (Path(place, name) for name in (*names, *folders)):
-                path.rmdir() if path.is_dir() and not path.is_symlink() else path.unlink()
-        folder.rmdir()
-
-
 def put_aside(root: Path, steps: Sequence[Step], place: Path) -> None:
     """Write all new bytes into a folder on the same disk (OSError)."""
-    remove_tree(place)
+    shutil.rmtree(place, ignore_errors=True)
     for step in steps:
         folder = next(filter(os.path.lexists, (root / step.path).parents))
         if not os.access(folder, os.W_OK | os.X_OK):
@@ -345,7 +332,7 @@ def put_aside(root: Path, steps: Sequence[Step], place: Path) -> None:
             with path.open("rb") as file:
                 os.fsync(file.fileno())
     except OSError:
-        remove_tree(place)
+        shutil.rmtree(place, ignore_errors=True)
         raise
 
 

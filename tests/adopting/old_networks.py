@@ -19,9 +19,6 @@ def write_old_network(folder: Path, xdsl: str, name: str = "PedestrianRisk") -> 
     return write_files(folder, files)
 
 
-LICENCE = data_text("adopting/licence.txt")
-
-
 def write_old_ros_network(folder: Path, package: str, network: str = "network1") -> Path:
     """Write an old ROS package of a network, with nothing written by hand but the nodes' bodies."""
     place = f"scripts/files/{network}"

@@ -52,17 +52,6 @@ def test_bodies_model_and_configuration_are_taken_over(old: Path) -> None:
     assert config == yaml.safe_load(data_text("adopting/adopted_config.yml"))
 
 
-def test_markers_written_twice_in_a_method_are_no_lines_of_its_body(old: Path) -> None:
-    script = old / "scripts" / "EDDIInput.py"
-    end = '        """-----Manual edit end-----"""\n'
-    more = f"{end}        x = 1\n{end.replace('end', 'begin')}        y = 2\n{end}"
-    script.write_text(script.read_text("utf-8").replace(end, more), "utf-8")
-    result = run("adopt", "old", "--platform", "plain", "-o", "out", cwd=old.parent)
-    assert result.status == 3, result.err
-    text = (old.parent / "out" / "conserta" / "EDDIInput.py").read_text("utf-8")
-    assert "        x = 1\n        y = 2\n        '''-----Manual edit end-----" in text
-
-
 def test_a_body_without_a_region_is_kept(old: Path) -> None:
     script = old / "scripts" / "EDDIInput.py"
     lines = EDDI_INPUT.replace("process_RtE_A_E0(self", "process_Gone(self")

@@ -9,8 +9,8 @@ import yaml
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.adopting.adopt import Adoption, adopt
-from tests.adopting.old_networks import LICENCE, write_old_ros_network
-from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
+from tests.adopting.old_networks import write_old_ros_network
+from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import EXAMPLE, edit
 from tests.data_files import data_text
 
@@ -63,7 +63,7 @@ def test_bodies_of_the_same_inputs_and_states_need_no_look(tmp_path: Path) -> No
     old = write_old_ros_network(tmp_path / "old", "harm_risk")
     found = adopt(old, None, None)
     bodies = {body.region.id for body in found.bodies}
-    assert bodies - {"bayesian_network_config.module"} <= found.fitting  # that one has the licence
+    assert bodies <= found.fitting
     network = old / "scripts" / "files" / "network1" / "network1.xdsl"
     edit(network, 'id="Hot"', 'id="Warm"')
     (old / "scripts" / "RosNode.py").unlink()
@@ -72,24 +72,15 @@ def test_bodies_of_the_same_inputs_and_states_need_no_look(tmp_path: Path) -> No
     assert changed == {"node_Heat", *inputs}
 
 
-def test_a_licence_stays_with_its_module(tmp_path: Path) -> None:
-    old = write_old_ros_network(tmp_path / "old", "harm_risk")
-    script = old / "scripts" / "EDDIInput.py"
-    script.write_text("#!/usr/bin/env python3\n# -*- coding: utf-8 -*-\n" + script.read_text())
-    saved = {body.region.id: body.region.body for body in adopt(old, None, None).bodies}
-    assert saved["bayesian_network_config.module"] == LICENCE
-    assert "EDDIInput.module" not in saved
-
-
 def test_without_a_class_of_inputs_they_are_what_the_methods_read(tmp_path: Path) -> None:
     scripts = write_old_ros_network(tmp_path / "old", "harm_risk") / "scripts"
     (scripts / "EDDIInput.py").unlink()
     found = adopt(scripts / "files", None, None)
     assert config_of(found)["EDDIInputs"] == [
-        {"id": "dense", "type": "bool", "requires": []},
-        {"id": "distance", "type": "float", "requires": []},
-        {"id": "heat", "type": "float", "requires": []},
-        {"id": "fire", "type": "bool", "requires": []},
+        {"id": "dense", "requires": []},
+        {"id": "distance", "requires": []},
+        {"id": "heat", "requires": []},
+        {"id": "fire", "requires": []},
     ]
     assert found.id == "network1"
 
@@ -103,16 +94,6 @@ def test_class_names_in_use_stay_what_is_published(tmp_path: Path) -> None:
     found = adopt(old, None, None)
     assert config_of(found)["Model"]["guarantee_ids"] == "class"
     assert "guarantee_ids: class: the old monitor publishes SystemAG0" in found.notes
-
-
-def test_class_names_of_others_in_hand_written_code_are_reported(tmp_path: Path) -> None:
-    old = write_old_ros_package(tmp_path / "old", "")
-    eddi = EXAMPLE / "two_conserts.xml"
-    text = "SystemAG0C2: ConSertB publishes this with `guarantee_ids: class` only"
-    assert text not in adopt(old, eddi, "ConSertA").notes
-    script = old / "scripts" / "EDDIInput.py"
-    script.write_text(EDDI_INPUT.replace("System_A_G0_c2", "SystemAG0C2"))
-    assert text in adopt(old, eddi, "ConSertA").notes
 
 
 def test_the_file_of_a_consert_keeps_its_name(tmp_path: Path) -> None:

@@ -68,7 +68,6 @@ def test_the_help_of_a_command_has_an_example(command: str, tmp_path: Path) -> N
     assert short == long
     assert (short.status, short.err) == (0, "")
     assert f"Example: eddi-scaffold {command} " in short.out
-    assert "list[" not in short.out  # the type of one value is told
 
 
 def test_help_lists_the_commands_by_when_they_are_needed(tmp_path: Path) -> None:
@@ -223,16 +222,6 @@ def test_data_that_cannot_be_written_is_an_error(folder: Path) -> None:
         result = finished("show", MODEL, cwd=folder, stdout=full)
     assert result.status == 2
     assert_reported("F002", result.err)
-
-
-@tabled
-def test_no_folder_is_made_around_what_is_written(command: str, folder: Path) -> None:
-    before = files_below(folder)
-    result = run(*command.split(), cwd=folder)
-    assert (result.status, result.out) == (2, "")
-    assert "there is no folder no [F002]" in result.err
-    assert files_below(folder) == before
-    assert not (folder / "no").exists()
 
 
 def test_ctrl_c_while_it_loads(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -48,10 +48,3 @@ def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:
         (cart / "cart.yml").write_text(without.replace("start: 20, end: 100", ends))
         told = run("check", "cart_config.yml", cwd=cart)
         assert ("[K022]" in told.err) is is_told, ends
-
-
-def test_help_and_version_may_be_words(cart: Path) -> None:
-    for word in ("help", "version"):
-        assert run(word, cwd=cart) == run(f"--{word}", cwd=cart)
-    assert run("help", "show", cwd=cart) == run("show", "--help", cwd=cart)
-    assert run("help", cwd=cart).status == 0

@@ -17,7 +17,6 @@ TWO = "-m two_conserts.xml -c consert_a_config.yml"
 GENERATE = f"generate --platform plain -o packages {TWO}"
 OF_PACKAGES = {
     "status -w packages": 0,
-    "trace packages/conserta --csv": 0,
     "regions --check packages": 0,
     f"upgrade -w packages {TWO} --dry-run": 0,
     f"{GENERATE} --dry-run": 0,

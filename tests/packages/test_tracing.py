@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
+import json
 import re
 import shutil
 from pathlib import Path
@@ -13,11 +12,13 @@ from tests.cli.command import EXAMPLE, ROOT, run
 GENERATED = EXAMPLE / "expected"
 
 
-def test_the_csv_and_the_text() -> None:
-    printed = run("trace", "-w", GENERATED, "--csv", cwd=EXAMPLE).out
-    table = list(csv.DictReader(io.StringIO(printed)))
-    assert {row["package"] for row in table} == {"conserta", "consertb"}
-    assert all(len(row["sha256"]) == 64 for row in table)
+def test_the_json_and_the_text() -> None:
+    printed = json.loads(run("trace", "-w", GENERATED, "--json", cwd=EXAMPLE).out)["packages"]
+    assert [of["package"] for of in printed] == ["conserta", "consertb"]
+    assert all(len(of["sha256"]) == 64 for of in printed)
+    assert set(printed[0]["elements"][0]) == {
+        *("element", "id", "file", "line", "path", "code", "topics", "links")
+    }
     text = run("trace", "conserta", cwd=GENERATED / "src/eddi_monitor").out
     assert text.splitlines()[0] == "conserta: consert ConSertA"
     assert "two_conserts.xml:30" in text

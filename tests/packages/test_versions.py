@@ -10,7 +10,7 @@ import pytest
 
 from eddi_scaffold import __version__
 from eddi_scaffold.packages.rendering import is_newer
-from tests.cli.command import example, files_below, run
+from tests.cli.command import edit, example, files_below, run
 from tests.diagnosed import assert_reported
 from tests.package_texts import facts_in
 
@@ -48,27 +48,27 @@ def test_it_is_refused_with_both_versions(folder: Path, words: tuple[str, ...]) 
 WITH_MODEL = ("upgrade", "-w", "ws", "-m", MODEL)
 
 
-def test_it_is_done_on_purpose(folder: Path) -> None:
-    result = run(*GENERATE, "--force", cwd=folder)
-    assert result.status == 0, result.err
-    answers = (folder / "ws/consertb/.copier-answers.yml").read_text()
-    assert f"generator_version: {__version__}\n" in answers
+@pytest.fixture
+def older(folder: Path) -> Path:
+    """The same, that version 0.0.1 has made."""
+    edit(folder / "ws/consertb/.copier-answers.yml", "9.0.0", "0.0.1")
+    return folder
 
 
-def test_a_monitor_is_compiled_of_the_text_in_its_package(folder: Path) -> None:
-    (folder / MODEL).unlink()
-    package, before = folder / "ws/consertb", files_below(folder / "ws/consertb")
-    facts, traced = facts_in(package), run("trace", "-w", "ws", cwd=folder).out
-    result = run("upgrade", "-w", "ws", "--force", cwd=folder)
+def test_a_monitor_is_compiled_of_the_text_in_its_package(older: Path) -> None:
+    (older / MODEL).unlink()
+    package, before = older / "ws/consertb", files_below(older / "ws/consertb")
+    facts, traced = facts_in(package), run("trace", "-w", "ws", cwd=older).out
+    result = run("upgrade", "-w", "ws", cwd=older)
     assert result.status == 0, result.err
     after = files_below(package)
     assert {name for name in before if after[name] != before[name]} == {"compiled.py", *RECORDS}
     assert facts_in(package) == facts  # with the places in the EDDI
-    assert run("trace", "-w", "ws", cwd=folder).out == traced
-    assert run("upgrade", "-w", "ws", cwd=folder).status == 0
-    config = (folder / CONFIG).read_text()
-    (folder / CONFIG).write_text(config.replace("max_age: 2", "max_age: 3"))
-    assert run("upgrade", "-w", "ws", "-c", CONFIG, cwd=folder).status == 0
+    assert run("trace", "-w", "ws", cwd=older).out == traced
+    assert run("upgrade", "-w", "ws", cwd=older).status == 0
+    config = (older / CONFIG).read_text()
+    (older / CONFIG).write_text(config.replace("max_age: 2", "max_age: 3"))
+    assert run("upgrade", "-w", "ws", "-c", CONFIG, cwd=older).status == 0
     newer = facts_in(package)
     assert newer.inputs[0].max_age == 3.0
     assert replace(newer, inputs=facts.inputs, digest=facts.digest) == facts
@@ -77,19 +77,19 @@ def test_a_monitor_is_compiled_of_the_text_in_its_package(folder: Path) -> None:
 @pytest.mark.parametrize(
     "damage", [("SensorHealthy", "Other"), ("evidence:", "evidence"), ("guarantees:", "")]
 )
-def test_a_text_that_is_not_its_model_is_not_used(folder: Path, damage: tuple[str, str]) -> None:
-    package = folder / "ws/consertb"
+def test_a_text_that_is_not_its_model_is_not_used(older: Path, damage: tuple[str, str]) -> None:
+    package = older / "ws/consertb"
     text, compiled = package / "ConSertB.yml", (package / "compiled.py").read_bytes()
     before = text.read_text()
     text.write_text(before.replace(*damage))
     assert text.read_text() != before
-    result = run("upgrade", "-w", "ws", "--force", cwd=folder)
-    told = "compiled.py stays as eddi-scaffold 9.0.0 made it; name the model with -m"
+    result = run("upgrade", "-w", "ws", cwd=older)
+    told = "compiled.py stays as eddi-scaffold 0.0.1 made it; name the model with -m"
     assert (result.status, told in result.out + result.err) == (3, True), result
     assert "ConSertB.yml: edited outside regions" in result.out + result.err
     assert (package / "compiled.py").read_bytes() == compiled
     assert not text.exists()
-    run(*WITH_MODEL, "--force", cwd=folder)
+    run(*WITH_MODEL, cwd=older)
     assert text.read_text() == before
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.regions.__main__ import main, place_files
-from tests.updates.templates import git
 
 DATA = b"numbers"
 TABLES = {"src/own/reference.bin": hashlib.sha256(DATA).hexdigest()}
@@ -34,21 +33,6 @@ def test_tables_are_taken_from_their_folder(tmp_path: Path) -> None:
     assert table.exists()
     for name in ("../reference.bin", f"{folder}/reference.bin", ".."):
         assert [*place_files(root, rendering, {name: TABLES["src/own/reference.bin"]}, folder)]
-
-
-def test_what_a_person_or_a_merge_changed_is_in_the_history_of_git(tmp_path: Path) -> None:
-    root, rendering = tmp_path / "own", tmp_path / "own" / STAGE
-    table = root / "src/own/reference.bin"
-    table.parent.mkdir(parents=True)
-    git(root, "init", "-q")
-    for data in (DATA, b"of another time"):
-        table.write_bytes(data)
-        git(root, "add", "-A")
-        git(root, "commit", "-q", "-m", "work")
-    table.write_bytes(b"a person's")
-    assert [*place_files(root, rendering, TABLES, None)] == []
-    assert (rendering / "src/own/reference.bin").read_bytes() == DATA
-    assert table.read_bytes() == b"a person's"
 
 
 def test_the_command_names_what_is_missing(

@@ -7,7 +7,6 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +15,13 @@ from eddi_scaffold.common.identifiers import attribute, package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Model, Options, kinds
 from eddi_scaffold.monitors.loading import checked_models, is_config, read_models, select_models
-from eddi_scaffold.packages.adopting.foreign import foreign
-from eddi_scaffold.packages.adopting.old_package import OldPackage, ParsedModule, read_old_package
-from eddi_scaffold.packages.adopting.wiring import (
-    OldInput,
-    Wiring,
-    compared_texts,
-    published_ids,
-    read_wiring,
+from eddi_scaffold.packages.adopting.old_package import (
+    OldPackage,
+    ParsedModule,
+    foreign,
+    read_old_package,
 )
+from eddi_scaffold.packages.adopting.wiring import OldInput, Wiring, published_ids, read_wiring
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import WriteResult, write_packages
 from eddi_scaffold.packages.rendering import Template
@@ -32,8 +29,6 @@ from eddi_scaffold.packages.transaction import write
 from eddi_scaffold.packages.workspace import packages_root
 from eddi_scaffold.platforms import Platform
 from eddi_scaffold.regions.choosing import Body
-from eddi_scaffold.regions.marked_file import Region
-from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
 
 _BY_CLASS: Mapping[str, JsonValue] = {"guarantee_ids": "class"}
 
@@ -81,10 +76,9 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     published = published_ids(old.monitor)
     choices: Sequence[Mapping[str, JsonValue]] = ({}, _BY_CLASS)
     by_class = next((choice for choice in choices if published <= _guarantees(model, choice)), {})
-    uses = dict(_uses(old.config))
     methods = [method for module in model.editable_modules() for method in module.methods]
     nodes = {method.name.removeprefix("node_"): method.about for method in methods}
-    observed = [nodes[node] for node, (sets, _) in uses.items() if sets and node in nodes]
+    observed = [nodes[node] for node in _observed(old.config) if node in nodes]
     options = {**by_class, **({"observed": observed} if observed else {})}
     notes: list[str] = []
     bodies: list[Body] = []
@@ -121,14 +115,6 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     if by_class:
         shown = ", ".join(f"{key}: {value}" for key, value in by_class.items())
         notes.append(f"{shown}: the old monitor publishes {', '.join(sorted(published))}")
-    for other in models:  # whose ids hand-written code compares
-        names = _guarantees(other, _BY_CLASS) - _guarantees(other, {})
-        if compared := ", ".join(sorted(names & compared_texts(old.eddi_input))):
-            publishes = f"{other.name} publishes this with `guarantee_ids: class` only"
-            notes.append(f"{compared}: {publishes}")
-    for node, holds in uses.items():
-        what = compress(("observed by code", "an output"), holds)
-        notes.append(f"{node}: {' and '.join(what) or 'unused'}")
     return Adoption(
         old=old,
         id=id_,
@@ -199,41 +185,28 @@ def _of_the_model(wiring: Wiring, model: Model) -> Wiring:
 
 
 def _bodies(module: ParsedModule, prefix: str) -> Iterator[Body]:
-    """Yield the bodies of a module, and its header, as if a package of ours had saved them."""
-    texts = {f"{module.path.stem}.module": ("", module.header)}
+    """Yield the bodies of a module as if a package of ours had saved them."""
     for method in module.methods.values():
         if method.name.startswith(prefix):
-            bare = prefix == "process_" and method.body is None
-            if body := module.whole_body(method) if bare else method.body:
-                texts[method.name] = body.indent, body.text
-    for id_, (indent, text) in texts.items():
-        if text.strip():
-            begin, end = f"{indent}{begin_marker(id_)}", f"{indent}{end_marker(id_)}"
-            lines = f"{text.removesuffix(chr(10))}\n"
-            region = Region(id_, Digests(), (), None, 1, begin, lines, end)
-            yield Body(region, module.path.name, kept=True)
+            bare = prefix == "process_" and method.region is None
+            region = module.whole_body(method) if bare else method.region
+            if region is not None and region.body.strip():
+                yield Body(region, module.path.name, kept=True)
 
 
-def _uses(config: ParsedModule | None) -> Iterator[tuple[str, tuple[bool, bool]]]:
-    """Yield the nodes of a network, as named in Python: does code set an outcome, the output flag.
+def _observed(config: ParsedModule | None) -> Iterator[str]:
+    """Yield the nodes of a network, as named in Python, of which code sets an outcome.
 
     What counts is the body, not the frame around it.
     """
     for method in config.methods.values() if config is not None else ():
-        if method.name.startswith("node_") and method.body is not None:
-            assigned = {
-                target.id: statement.value
-                for inside in method.tree.body
-                if inside not in method.outside
-                for statement in ast.walk(inside)
-                if isinstance(statement, ast.Assign)
-                for target in statement.targets
-                if isinstance(target, ast.Name)
-            }
-            flag = assigned.get("is_bn_output")
-            is_output = isinstance(flag, ast.Constant) and flag.value is True
-            is_observed = not _outcomes(method.tree).isdisjoint(assigned)
-            yield method.name.removeprefix("node_"), (is_observed, is_output)
+        if method.name.startswith("node_") and method.region is not None:
+            inside = (s for s in method.tree.body if s not in method.outside)
+            nodes = (node for statement in inside for node in ast.walk(statement))
+            names = (node for node in nodes if isinstance(node, ast.Name))
+            assigned = {name.id for name in names if isinstance(name.ctx, ast.Store)}
+            if not _outcomes(method.tree).isdisjoint(assigned):
+                yield method.name.removeprefix("node_")
 
 
 def _outcomes(tree: ast.FunctionDef) -> set[str]:
@@ -291,10 +264,7 @@ def write_adopted(
         except EddiError as failed:
             raise EddiError(*(_at_place(problem, place) for problem in failed.problems)) from None
     rejects = {f"{name}.adopted": text.encode() for name, text in adoption.rejects.items()}
-    bodies = [
-        body._replace(fits=body.region.id in adoption.fitting or body.region.id.endswith(".module"))
-        for body in adoption.bodies
-    ]
+    bodies = [body._replace(fits=body.region.id in adoption.fitting) for body in adoption.bodies]
     packages = [
         replace(new, saved=bodies, adopted=rejects) if new.folder == package else new
         for new in plan.packages

@@ -9,18 +9,16 @@ import ast
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import takewhile
 from pathlib import Path
 
 from eddi_scaffold.common.escaping import parse_shallow
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import is_package_name, package_name
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.regions.marked_file import split_lines
-from eddi_scaffold.regions.markers import Marker, indent_of, read_marker
+from eddi_scaffold.regions.marked_file import Region, parse, split_lines
+from eddi_scaffold.regions.markers import UNKNOWN, begin_marker, end_marker, indent_of
 from eddi_scaffold.regions.package import entries
 
-_CODING = re.compile(r"#.*coding[:=]")
 _MODELS = (".xdsl", ".xmlbif", ".yml", ".yaml", ".xml")
 _RECORDS = ".eddi"
 _EDITED = ("EDDIInput.py", "bayesian_network_config.py")
@@ -29,20 +27,12 @@ _NAME = re.compile(rb"<name>\s*([A-Za-z0-9_-]+)\s*</name>")
 
 
 @dataclass(frozen=True)
-class Body:
-    """What a person wrote into a method: lines with their ends, and the blanks before it."""
-
-    text: str
-    indent: str
-
-
-@dataclass(frozen=True)
 class Method:
     """One method of a class."""
 
     name: str
     tree: ast.FunctionDef
-    body: Body | None  # between the markers; `None` where there are none
+    region: Region | None  # `None` without markers
     outside: tuple[ast.stmt, ...]  # its statements that lie outside of the markers
 
     @property
@@ -60,7 +50,6 @@ class ParsedModule:
     methods: dict[str, Method]  # of its classes, by name
     other: Sequence[ast.stmt]  # statements that are neither an import, a class nor a docstring
     imports: Sequence[ast.stmt]
-    header: str  # comments above all else, such as of a licence
 
     def text_of(self, node: ast.stmt) -> str:
         """Return the lines of a statement, with its decorators and comments above."""
@@ -70,7 +59,7 @@ class ParsedModule:
             start -= 1
         return "".join(self.lines[start : node.end_lineno]).rstrip("\n")
 
-    def whole_body(self, method: Method) -> Body | None:
+    def whole_body(self, method: Method) -> Region | None:
         """Return all statements of a method without markers, its comments included.
 
         ``None`` for one that holds nothing but the assignment of None that was generated.
@@ -81,12 +70,11 @@ class ParsedModule:
         head, first = method.tree.lineno, method.tree.body[0].lineno
         above = range(head + 1, first)
         start = next((n for n in above if self.lines[n - 1].strip().startswith("#")), first)
-        text = "".join(
-            line
-            for line in self.lines[start - 1 : method.tree.end_lineno]
-            if line.strip().upper() != "# TODO"
-        )
-        return Body(text if text.endswith("\n") else f"{text}\n", indent_of(self.lines[first - 1]))
+        lines = self.lines[start - 1 : method.tree.end_lineno]
+        text = "".join(line for line in lines if line.strip().upper() != "# TODO").rstrip("\n")
+        indent, id_ = indent_of(self.lines[first - 1]), method.name
+        begin, end = f"{indent}{begin_marker(id_)}", f"{indent}{end_marker(id_)}"
+        return Region(id_, UNKNOWN, (), None, 1, begin, f"{text}\n", end)
 
 
 def read_module(path: Path) -> ParsedModule:
@@ -104,68 +92,78 @@ def read_module(path: Path) -> ParsedModule:
     lines = split_lines(text)
     classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
     functions = [f for node in classes for f in node.body if isinstance(f, ast.FunctionDef)]
-    if faults := [fault for function in functions for fault in _faults(function, lines)]:
-        places = ((Place(str(path), line), reason) for line, reason in faults)
+    texts = {f: "".join(lines[f.lineno - 1 : f.end_lineno]) for f in functions}
+    faults = [(f.lineno - 1, fault) for f, text in texts.items() for fault in parse(text)[1]]
+    if faults:
+        places = ((Place(str(path), above + of.line), of.reason) for above, of in faults)
         raise EddiError(*(problem("H010", place, reason=reason) for place, reason in places))
     kinds = (ast.Import, ast.ImportFrom, ast.ClassDef)
     return ParsedModule(
         path,
         lines,
-        methods={function.name: _method(function, lines) for function in functions},
+        methods={f.name: _method(f, text) for f, text in texts.items()},
         other=[node for node in tree.body if not (isinstance(node, kinds) or _is_text(node))],
         imports=[node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)],
-        header=_header(lines),
     )
 
 
-def _header(lines: Sequence[str]) -> str:
-    """Return the comments at the top, without what Python and the system read in them."""
-    top = takewhile(lambda line: not line.strip() or line.startswith("#"), lines)
-    kept = [line for line in top if not line.startswith("#!") and not _CODING.match(line)]
-    text = "".join(kept).strip("\n")
-    return f"{text}\n" if text else ""
-
-
-def _markers(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[int, Marker | str]]:
-    for number in range(tree.lineno, (tree.end_lineno or tree.lineno) + 1):
-        marker = read_marker(lines[number - 1], number)
-        if marker is not None:
-            yield number, marker
-
-
-def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:
-    marked = [number for number, _ in _markers(tree, lines)]
-    outside = [node for node in tree.body if not _is_text(node)]
-    if not marked:
-        return Method(tree.name, tree, None, tuple(outside))
-    begin, end = marked[0], marked[-1]
-    inside = (number for number in range(begin + 1, end) if number not in marked)
-    body = Body("".join(lines[number - 1] for number in inside), indent_of(lines[begin - 1]))
-    outside = [node for node in outside if not begin < node.lineno < end]
-    return Method(tree.name, tree, body, tuple(outside))
-
-
-def _faults(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[int, str]]:
-    """Yield the lines of a method in which a marker is damaged, or has no counterpart, and why."""
-    no_end = "the region has no end marker; put it back below the hand code"
-    begin = None
-    for number, marker in _markers(tree, lines):
-        if isinstance(marker, str):
-            yield number, marker
-        elif marker.what == "begin":
-            if begin is not None:
-                yield begin, no_end
-            begin = number
-        elif begin is None:
-            yield number, "end marker without begin; put the begin marker back above it"
-        else:
-            begin = None
-    if begin is not None:
-        yield begin, no_end
+def _method(tree: ast.FunctionDef, text: str) -> Method:
+    region = next(iter(parse(text)[0].regions.values()), None)
+    begin = tree.lineno + region.line if region else 0  # line below the begin marker
+    inside = range(begin, begin + region.body.count("\n")) if region else ()
+    outside = (node for node in tree.body if not _is_text(node) and node.lineno not in inside)
+    return Method(tree.name, tree, region, tuple(outside))
 
 
 def _is_text(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def foreign(module: ParsedModule, prefix: str) -> Iterator[ast.stmt]:
+    """Yield the statements of a module that the old generator did not write.
+
+    Its editable methods begin with a prefix, ``node_`` or ``process_``.
+    """
+    yield from module.other
+    for method in module.methods.values():
+        if method.name.startswith(prefix):  # a process method without markers is adopted whole
+            adopted = method.region is None and not method.name.startswith("node_")
+            yield from (s for s in method.outside if not adopted and not _is_of_fig_15(s))
+        elif method.name in {"__init__", "update_dra_data", "processing"}:
+            yield from (statement for statement in method.outside if not _is_frame(statement))
+        else:
+            yield method.tree
+
+
+def _is_of_fig_15(node: ast.stmt) -> bool:
+    """Return whether a statement of a node's method is an initial value, or the result."""
+    match node:
+        case ast.Return() | ast.Pass():
+            return True
+        case (
+            ast.Assign(targets=[ast.Name(id=name), *_], value=ast.Constant(value=value))
+            | ast.AnnAssign(target=ast.Name(id=name), value=ast.Constant(value=value))
+        ):
+            return (
+                value is False
+                if name == "is_bn_output"
+                else (name.startswith("outcome_") and value == 0.0)
+            )
+    return False
+
+
+def _is_frame(node: ast.stmt) -> bool:
+    """Return whether a statement belongs to the generated frame of a class."""
+    names = [
+        call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+        for call in ast.walk(node)
+        if isinstance(call, ast.Call)
+    ]
+    kinds = (ast.Assign, ast.AnnAssign, ast.If, ast.Return, ast.Pass, ast.Try)
+    called = {"hasattr", "getattr", "isinstance", "super"}
+    return isinstance(node, kinds) and all(
+        name.startswith("process_") or name in called for name in names
+    )
 
 
 @dataclass(frozen=True)
@@ -186,16 +184,15 @@ def read_old_package(folder: Path) -> OldPackage:
     """Find out what a folder holds.
 
     Raises:
-        EddiError: it is not a folder (F001), holds nothing of an old package, is one of ours or is
-            a folder above packages, holds one of its modules twice (A002), or a module is
-            not Python (A001) or has damaged markers (H010).
+        EddiError: it is not a folder (F001), holds nothing of an old package, is one of ours, holds
+            one of its modules twice (A002), or a module is not Python (A001) or has damaged
+            markers (H010).
     """
     if not folder.is_dir():
         raise EddiError(problem("F001.no_folder", Place(str(folder))))
     if (folder / _RECORDS).is_dir():
         raise EddiError(problem("A002.generated", Place(str(folder))))
     files = [Path(name) for name, _ in entries(folder, {".git", "__pycache__"})]
-    _check_is_one_package(folder, files)
 
     def only(name: str) -> ParsedModule | None:
         places = [file for file in files if file.name == name]
@@ -222,16 +219,3 @@ def read_old_package(folder: Path) -> OldPackage:
     known = name if is_package_name(name) else None
     node, monitor = only("RosNode.py"), only("EDDIMonitor.py")
     return OldPackage(folder, known, eddi_input, config, node, monitor, models, files)
-
-
-def _check_is_one_package(folder: Path, files: Sequence[Path]) -> None:
-    """Refuse a folder above packages: adopting would not make unneeded what else is in it."""
-    ours = next((file for file in files if _RECORDS in file.parts), None)
-    if ours is not None:
-        inner = folder / Path(*ours.parts[: ours.parts.index(_RECORDS)])
-        raise EddiError(problem("A002.generated_inside", Place(str(folder)), folder=inner))
-    edited = {file.parent for file in files if file.name in _EDITED}
-    above = {file.parent for file in files if file.name == _MANIFEST}
-    inside = sorted(place for place in above for file in edited if file.is_relative_to(place))
-    if inside and Path() not in above:
-        raise EddiError(problem("A002.above", Place(str(folder)), folder=folder / inside[0]))

@@ -21,13 +21,11 @@ class OldInput:
     id: str
     default: JsonValue  # value before the first message
     requires: tuple[str, ...]  # ids of topics
-    type: str | None = None  # as its use tells, where there is no default
 
     def as_entry(self) -> dict[str, JsonValue]:
         """Return its entry in a configuration, without a type where nothing tells it."""
-        type_ = _TYPES.get(type(self.default), self.type)
-        entry: dict[str, JsonValue] = {"id": self.id}
-        entry |= {"type": type_} if type_ is not None else {}
+        type_ = _TYPES.get(type(self.default))
+        entry: dict[str, JsonValue] = {"id": self.id} | ({"type": type_} if type_ else {})
         entry["requires"] = list(self.requires)
         return entry | ({"default": self.default} if self.default is not None else {})
 
@@ -62,8 +60,7 @@ def read_wiring(
 
     Without a class of inputs they are what the methods of a network read.
     """
-    read = inputs_read(config) if config is not None else ()
-    inputs = list(_inputs(eddi_input) if eddi_input is not None else read)
+    inputs = list(_inputs(eddi_input) if eddi_input is not None else _inputs_read(config))
     if node is None:
         missing = "there is no RosNode.py, which has topics, their types, the rate and the outputs"
         return Wiring(inputs=[replace(input_, requires=()) for input_ in inputs], lost=[missing])
@@ -152,61 +149,19 @@ def _inputs(module: ParsedModule) -> Iterator[OldInput]:
         yield OldInput(id_, defaults.get(id_), required.get(id_, ()))
 
 
-def inputs_read(config: ParsedModule) -> Iterator[OldInput]:
-    """Yield the inputs that the methods of a network read, in the order of the file."""
-    types: dict[str, set[str]] = {}
-    for method in config.methods.values():
-        names: dict[str, str] = {}
-        for node in ast.walk(method.tree):
-            if name := _attribute_of(node, {}):
-                types.setdefault(name, set())
-            match node:
-                case ast.Assign(targets=[ast.Name(id=variable), *_], value=value):
-                    if source := _attribute_of(value, names):
-                        names[variable] = source
-        for operand, type_ in _typed(method.tree):
-            if name := _attribute_of(operand, names):
-                types[name].add(type_)
-    for name, known in types.items():
-        yield OldInput(name, None, (), known.pop() if len(known) == 1 else None)
-
-
-def _attribute_of(node: ast.AST, names: Mapping[str, str]) -> str | None:
-    """Return the input that ``self.dra_data.x``, or a variable that holds it, refers to."""
-    match node:
-        case ast.Name(id=variable):
-            return names.get(variable)
-        case ast.Attribute(value=ast.Attribute(value=ast.Name(), attr="dra_data"), attr=name):
-            return name
-    return None
-
-
-def _typed(tree: ast.AST) -> Iterator[tuple[ast.expr, str]]:
-    """Yield expressions with the type that their use tells."""
-    for node in ast.walk(tree):
+def _inputs_read(config: ParsedModule | None) -> Iterator[OldInput]:
+    """Return the inputs that the methods of a network read: ``self.dra_data.x``."""
+    names: dict[str, None] = {}
+    for node in _nodes(config):
         match node:
-            case ast.If(test=test) | ast.IfExp(test=test) | ast.UnaryOp(op=ast.Not(), operand=test):
-                yield test, "bool"
-            case ast.BoolOp(values=values):
-                yield from ((value, "bool") for value in values)
-            case ast.BinOp(left=left, right=right):
-                yield from ((left, "float"), (right, "float"))
-            case ast.Compare(left=left, comparators=others):
-                operands = (left, *others)
-                is_text = any(isinstance(_constant(operand), str) for operand in operands)
-                yield from ((operand, "str" if is_text else "float") for operand in operands)
+            case ast.Attribute(value=ast.Attribute(value=ast.Name(), attr="dra_data"), attr=name):
+                names[name] = None
+    return (OldInput(name, None, ()) for name in names)
 
 
 def _nodes(module: ParsedModule | None) -> Iterator[ast.AST]:
     for method in module.methods.values() if module is not None else ():
         yield from ast.walk(method.tree)
-
-
-def compared_texts(eddi_input: ParsedModule | None) -> set[str]:
-    """Return the texts with which the methods of a class of inputs compare something."""
-    tests = (node for node in _nodes(eddi_input) if isinstance(node, ast.Compare))
-    values = (_constant(node) for test in tests for node in (test.left, *test.comparators))
-    return {value for value in values if isinstance(value, str)}
 
 
 def published_ids(monitor: ParsedModule | None) -> set[str]:
