@@ -75,7 +75,7 @@ class ConSertModel(Model):
         return _models(conserts, problems, source, ())
 
     def check(self) -> Sequence[Problem]:
-        return static_checks(self.data)
+        return [*static_checks(self.data)]
 
     def counts(self) -> Mapping[str, int]:
         return {group: len(getattr(self.data, group)) for group in _GROUPS}
@@ -231,10 +231,11 @@ def _models(
     models: list[ConSertModel] = []
     all_problems = [*problems, *unclear]
     for consert in marked:
-        checked, more = check_consert(consert)
-        all_problems += more
-        if checked is not None:
-            models.append(ConSertModel(checked.name, source, checked.place, data=checked))
+        faults = [*check_consert(consert)]
+        all_problems += faults
+        # one of which only something is missing can be shown
+        if not has_errors(fault for fault in faults if fault.code not in ("C011", "C014")):
+            models.append(ConSertModel(consert.name, source, consert.place, data=consert))
     return ReadResult(tuple(models), tuple(in_order(all_problems)))
 
 
