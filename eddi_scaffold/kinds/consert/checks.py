@@ -166,7 +166,7 @@ def _check_services(consert: model.ConSert, of_services: set[str]) -> Iterator[P
         kind, name = service.member_kind, f"{service.kind} {shown(service.id)}"
         if not service.members:
             yield problem("C014.nothing_inside", service.place, name=name, element=kind)
-        for member in dict.fromkeys(service.members):
+        for member in service.members:
             if member not in ids[kind]:
                 fields = {"name": name, "kind": kind, "member": shown(member)}
                 hint = similar[kind].hint(member)

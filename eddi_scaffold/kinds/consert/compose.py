@@ -137,16 +137,16 @@ def compose(instances: Sequence[tuple[str, model.ConSert]]) -> Composition:
 def _demands(instances: Sequence[tuple[str, model.ConSert]]) -> Iterator[_Need]:
     offers: list[tuple[str, model.Guarantee, Mapping[str, None]]] = []
     for name, consert in instances:
-        types, values = service_types(consert.provided_services), constants(consert)
+        provided, values = service_types(consert.provided_services), constants(consert)
         offers += [
-            (name, guarantee, types.get(guarantee.id, {}))
+            (name, guarantee, provided.get(guarantee.id, {}))
             for guarantee in consert.guarantees
             if values[guarantee.id] is not False  # what can never hold fulfils nothing
         ]
     for name, consert in instances:
-        types_of = service_types(consert.required_services)
+        required = service_types(consert.required_services)
         for demand in consert.demands:
-            types = types_of.get(demand.id, {})
+            types = required.get(demand.id, {})
             reason = "no other ConSert guarantees anything"
             reason += f" in a service of type {' or '.join(types)}" if types else ""
             nearest, met_by = (4, reason), defaultdict[str, list[str]](list)

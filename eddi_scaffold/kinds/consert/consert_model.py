@@ -61,11 +61,9 @@ class ConSertModel(Model):
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
-        draft, problems = read_consert(source)
-        reading = _models(() if draft is None else (draft,), problems, source, default_guarantees)
-        if has_errors(problems):  # the draft was only good for finding more
-            return ReadResult((), reading.problems)
-        return reading
+        consert, problems = read_consert(source)
+        conserts = () if consert is None else (consert,)
+        return _models(conserts, problems, source, default_guarantees)
 
     @classmethod
     def read_eddi(
