@@ -190,23 +190,14 @@ class ConSertModel(Model):
 
     def elements(self) -> Sequence[Element]:
         """Return what has a place, then the services."""
-        consert = self.data
-        groups = (consert.demands, consert.evidence, consert.gates, consert.guarantees)
-        nodes = [node for group in groups for node in group]
-        return [
-            *(
-                Element(
-                    node.kind,
-                    node.id,
-                    published_class(node.id) if node.kind == "guarantee" else None,
-                    node.place.line,
-                    node.place.path,
-                )
-                for node in nodes
-            ),
-            *(Element(service.kind, service.id) for service in consert.provided_services),
-            *(Element(service.kind, service.id) for service in consert.required_services),
-        ]
+        of = self.data
+        elements = []
+        for node in (*of.demands, *of.evidence, *of.gates, *of.guarantees):
+            class_name = published_class(node.id) if isinstance(node, model.Guarantee) else None
+            place = node.place
+            elements.append(Element(node.kind, node.id, class_name, place.line, place.path))
+        services = (*of.provided_services, *of.required_services)
+        return elements + [Element(service.kind, service.id) for service in services]
 
     def why_not_fulfilled(self, output: str, user: Model, item: str) -> str | None:
         if not isinstance(user, ConSertModel):
