@@ -192,11 +192,12 @@ class ConSertModel(Model):
         """Return what has a place, then the services."""
         of = self.data
         elements = []
-        for node in (*of.demands, *of.evidence, *of.gates, *of.guarantees):
+        nodes: Sequence[model.Node] = (*of.demands, *of.evidence, *of.gates, *of.guarantees)
+        for node in nodes:
             class_name = published_class(node.id) if isinstance(node, model.Guarantee) else None
             place = node.place
             elements.append(Element(node.kind, node.id, class_name, place.line, place.path))
-        services = (*of.provided_services, *of.required_services)
+        services: Sequence[model.Service] = (*of.provided_services, *of.required_services)
         return elements + [Element(service.kind, service.id) for service in services]
 
     def why_not_fulfilled(self, output: str, user: Model, item: str) -> str | None:

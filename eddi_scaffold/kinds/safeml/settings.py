@@ -56,18 +56,18 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
     for name, node in root.entries:
         key = name.text
         if key not in KEYS:
-            hint = did_you_mean(key, KEYS) or f"known keys: {', '.join(KEYS)}"
-            problems.append(problem("L001.unknown_key", name.place, hint=hint, key=key))
+            similar = did_you_mean(key, KEYS) or f"known keys: {', '.join(KEYS)}"
+            problems.append(problem("L001.unknown_key", name.place, hint=similar, key=key))
             continue
         read, expected = KEYS[key]
         try:
             values[key] = read(node)
         except ValueError:
             fields = {"key": key, "expected": expected, "actual": y.describe(node)}
-            hint = None
+            hint: str | None = None
             if key == "distance_metric":
-                similar = did_you_mean(y.as_text(node) or "", METRICS)
-                hint = similar or f"there are: {', '.join(METRICS)}"
+                hint = did_you_mean(y.as_text(node) or "", METRICS)
+                hint = hint or f"there are: {', '.join(METRICS)}"
             problems.append(problem("L001.value", node.place, hint=hint, **fields))
     if problems:
         return None, problems
