@@ -75,7 +75,6 @@ def compose(
     """
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
     from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-    from eddi_scaffold.kinds.consert.options import marks_elsewhere
     from eddi_scaffold.monitors.loading import complete_reading, read_models
 
     marks = default_guarantee or ()
@@ -83,12 +82,22 @@ def compose(
     sources = [read_source(file) for _, file in arguments]
     readings = [read_models(source, marks) for source in sources]
     models = [[m for m in r.models if isinstance(m, ConSertModel)] for r in readings]
-    elsewhere = marks_elsewhere([[model.data for model in inside] for inside in models], marks)
+    # a mark is wrong where no file has its guarantee
+    case = "C008.no_guarantee"
+    wrong = [
+        {p.message for p in reading.problems if p.case == case}
+        for reading, inside in zip(readings, models, strict=True)
+        if inside
+    ]
     instances = []
     for (label, _), source, reading, inside in zip(
         arguments, sources, readings, models, strict=True
     ):
-        problems = tuple(p for p in reading.problems if p.message not in elsewhere)
+        problems = tuple(
+            p
+            for p in reading.problems
+            if p.case != case or all(p.message in messages for messages in wrong)
+        )
         complete_reading(source, replace(reading, problems=problems))
         if not inside:
             raise EddiError(problem("F004.no_consert", Place(source.name)))

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeAlias,
 from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meaning, Meanings, Use
 from eddi_scaffold.common.problems import EddiError, Place
 from eddi_scaffold.common.toml_tables import read_toml
-from eddi_scaffold.evidence.emitted import UnprovedError
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -49,33 +48,24 @@ class ModelInput:
 
     id: str
     type: InputType  # Python type of the value that `EDDIInput` holds
-    # a value that stays forever when its publisher dies would be dangerous, so a missing `max_age`
-    # is a warning
-    safety: bool = True
+    safety: bool = True  # a value that stays when its publisher dies is dangerous: it has to age
     unit: str | None = None  # unit of the model for a number, `None` otherwise
-    # unit -> exact factor (numerator, denominator) from that unit to `unit`: the units in which a
-    # configuration may declare the input
+    # unit that a configuration may declare -> exact factor (numerator, denominator) to `unit`
     units: Mapping[str, tuple[int, int]] | None = None
     description: str | None = None  # one line for generated comments
-    # short text that describes which values count as good (`[0, 5) m`), for comments
-    covered: str | None = None
-    # would this value, in `unit`, be evidence that can make an output active? Used to refuse unsafe
-    # defaults; `None` when the kind has no such notion
+    covered: str | None = None  # which values count as good (`[0, 5) m`), for comments
+    # whether a value, in `unit`, can make an output active: such a default is refused; `None` when
+    # the kind has no such notion
     is_good: Callable[[object], bool] | None = None
     # where the ranges of good numbers begin; each of them is good unless it is empty
     starts: tuple[float, ...] = ()
-    # no message may be skipped or counted twice: the attribute holds the list of all values since
-    # the last step, not the latest one
+    # its attribute holds the list of all values since the last step, not the latest one
     every_message: bool = False
-    # its name in `EDDIInput` where the kind keeps names apart; by default it is made of the id
-    attribute: str | None = None
-    # a value that it has while all is in order, for the example of a package
-    sample: JsonValue = None
+    attribute: str | None = None  # its name in `EDDIInput`, by default made of the id
+    sample: JsonValue = None  # a value while all is in order, for the example of a package
     states: tuple[str, ...] = ()  # names of the states of one that is a state, for a draft
     timeout: float | None = None  # seconds after which the model takes it as unknown, for a draft
-    is_three_valued: bool = (
-        False  # UNKNOWN is a value of its own, so that no value of it is silence
-    )
+    is_three_valued: bool = False  # UNKNOWN is a value of its own: no value of it is silence
     is_demand: bool = False  # what other systems have to fulfil
     # how its value can bring a claim of the monitor nearer; by default any value that is known may
     uses: tuple[Use, ...] = (Use(),)
@@ -113,8 +103,7 @@ class DeclaredInput:
     unit: str | None
     default: JsonValue
     place: Place
-    # types of the messages it is made of (`std_msgs/Float32MultiArray`)
-    messages: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()  # types of the messages that it is made of
 
 
 @dataclass(frozen=True)
@@ -122,12 +111,10 @@ class Options:
     """Options that a configuration gives to a kind; without a configuration, the defaults."""
 
     id: str | None = None  # `Model: id:`, for models that have no name of their own
-    # the keys of `Model:` that the kind declares, and `parameters`; plain values
-    values: Mapping[str, JsonValue] = field(default_factory=dict)
+    values: Mapping[str, JsonValue] = field(default_factory=dict)  # the keys of `Model:`
     inputs: tuple[DeclaredInput, ...] = ()  # the entries of `EDDIInputs`
     frequency: float | None = None  # steps per second
-    # of each output, the part of the result that it publishes; `None` for all
-    parts: tuple[str | None, ...] = ()
+    parts: tuple[str | None, ...] = ()  # of the result that each output publishes, `None` for all
     # path into `values` (`"outputs", 0`) -> its place, or that of what encloses it
     place: Callable[..., Place] = lambda *_: Place()
     # the same -> offset in the text there -> its place
@@ -157,8 +144,7 @@ class EditableMethod:
     comments: tuple[str, ...] = ()  # lines below the signature, without `#`
     before: tuple[str, ...] = ()  # lines of Python before the region
     was: tuple[str, ...] = ()  # former ids, whose body moves along
-    # what a body may use; a change asks for a look at a hand-written one
-    uses: tuple[str, ...] = ()
+    uses: tuple[str, ...] = ()  # what a body may use; a change asks for a look at it
     after: tuple[str, ...] = ()  # lines of Python after the region
     is_needed: bool = False  # nothing else gives what it returns
 
@@ -177,8 +163,7 @@ class EditableModule:
     class_docstring: str
     methods: tuple[EditableMethod, ...]
     imports: tuple[str, ...] = ()
-    # lines of the methods without a region, indented as in the class
-    plain_methods: tuple[str, ...] = ()
+    plain_methods: tuple[str, ...] = ()  # lines of those without a region, as in the class
 
 
 @dataclass(frozen=True)
@@ -188,8 +173,7 @@ class Alias:
     name: str  # of the module, without `.py`; it ends in `_monitor` (`bn_monitor`)
     module: str  # module of the runtime (`bayesian_network`)
     names: tuple[str, ...]
-    # further names under which it offers the package's `EDDIMonitor`
-    monitor_names: tuple[str, ...] = ()
+    monitor_names: tuple[str, ...] = ()  # further ones for the package's `EDDIMonitor`
 
 
 @dataclass(frozen=True)
@@ -197,8 +181,7 @@ class CrossCheck:
     """How the compiled model compares with an independent tool."""
 
     text: str  # one sentence for the package's README, the same on every machine
-    # what was found; an error keeps the package from being written
-    problems: tuple[Problem, ...] = ()
+    problems: tuple[Problem, ...] = ()  # an error keeps the package from being written
 
 
 @dataclass(frozen=True)
@@ -212,13 +195,11 @@ class Model:
     name: str
     source: Source
     place: Place
-    # what the model's own file is called, empty where that has several, or is known by the model's
-    # name: the package of a model without a configuration
+    # of its own file, for the package of a model without a configuration; empty: its name
     file_stem: str = field(default="", compare=False)
-    # path of an element -> what is linked with it in the EDDI
-    links: Links = field(default_factory=dict, compare=False)
-    # elements of the EDDI that name this model as what observes them, each with the event or
-    # threshold that it names; empty for the only one
+    links: Links = field(default_factory=dict, compare=False)  # of paths of elements in the EDDI
+    # elements of the EDDI that name it as what observes them, each with the event or threshold;
+    # empty for the only one
     observes: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
     @property
@@ -354,7 +335,7 @@ class Model:
             inputs: of the monitor.
             about: the file of the model and its digest.
         """
-        return ""
+        raise NotImplementedError
 
     def verify(self, emitted: Emitted) -> Iterator[str]:
         """Compare the text of a monitor with the configured model, without what compiles it.
@@ -364,7 +345,7 @@ class Model:
         Raises:
             UnprovedError: a statement has no form.
         """
-        raise UnprovedError(None, f"nothing checks the kind {self.kind} yet")
+        raise NotImplementedError
 
     def cross_check(self, running: Callable[[], Any]) -> CrossCheck | None:
         """Compare the running monitor with an independent tool, where there is one."""
@@ -427,31 +408,25 @@ class Kind:
 
     name: str  # module-like name, the same in the runtime (`consert`)
     title: str  # for people (`ConSert`)
-    # spellings of `Model: type:` in a configuration, compared without case
-    config_types: tuple[str, ...]
-    # does this file, by its first bytes and name, hold a model by itself?
-    recognises: Callable[[Source], bool]
+    config_types: tuple[str, ...]  # spellings of `Model: type:`, compared without case
+    recognises: Callable[[Source], bool]  # does this file hold a model by itself?
     messages: Mapping[str, str]  # ROS message name -> `.msg` text; field names fit ROS 1 and ROS 2
     output_message: str  # name of the message that the monitor publishes
     model: str  # module and name of the class of its models
     topic: str = "result"  # last part of the topic that a drafted configuration publishes it on
-    # XPath, below a root of an EDDI, of all that its models may be read from; empty for a kind of
-    # which an EDDI has none
-    in_eddi: str = ""
+    in_eddi: str = ""  # XPath, below a root of an EDDI, of all that its models may be read from
     claim: ClaimField | None = None
     options: tuple[str, ...] = ()  # keys of `Model:` in a configuration that this kind understands
     # of these, the values with which its messages are those of SESAME D7.2's monitors
     wire_of_d72: Mapping[str, str] = field(default_factory=dict)
-    # messages that robots tell each other, of a kind that has guarantees
-    between_robots: Mapping[str, str] = field(default_factory=dict)
+    between_robots: Mapping[str, str] = field(default_factory=dict)  # messages of fleets
     # of these keys: message -> its text, where they ask for another one
     respelt: Callable[[Mapping[str, object]], Mapping[str, str]] = lambda _: {}
     inputs_of_model: bool = True  # the inputs are in the model, not in the configuration
     # what becomes of an output while an input that it needs is not known
     without_input: str = "nothing that needs it becomes known"
     aliases: tuple[Alias, ...] = ()  # generated modules with the names of SESAME D7.2
-    # its files hold one model without a name; the configuration's id is one
-    named_by_config: bool = False
+    named_by_config: bool = False  # its files hold one model without a name
     # ROS message name -> what a message of it says, for who only looks on
     verdicts: Mapping[str, Listen] = field(default_factory=dict)
 

@@ -102,12 +102,8 @@ class CategoricalDimension:
 
     type: str
     covered: tuple[str, ...]
-    subset: Subset | None
+    subset: Subset | None = None
     place: Place = field(default=Place(), compare=False)
-
-    def __post_init__(self) -> None:
-        """Keep each value once."""
-        object.__setattr__(self, "covered", tuple(dict.fromkeys(self.covered)))
 
     @property
     def covered_text(self) -> str:
@@ -130,8 +126,8 @@ class NumericDimension:
 
     type: str
     covered: tuple[Range, ...]
-    subset: Subset | None
-    uom: str | None  # unit as written; `""` is a ratio, `None` means that none was given (C016)
+    subset: Subset | None = None
+    uom: str | None = None  # unit as written; `""` is a ratio, `None`: none was given (C016)
     place: Place = field(default=Place(), compare=False)
 
     @property
@@ -222,15 +218,10 @@ class _Service:
     id: str
     functional_service_type: str
 
-    def __post_init__(self) -> None:
-        """Keep each member once."""
-        object.__setattr__(self, f"{self.member_kind}s", tuple(dict.fromkeys(self.members)))
-
     @property
     def members(self) -> tuple[str, ...]:
-        """The ids of what it groups."""
-        members: tuple[str, ...] = getattr(self, f"{self.member_kind}s")
-        return members
+        """The ids of what it groups, each once."""
+        return tuple(dict.fromkeys(getattr(self, f"{self.member_kind}s")))
 
 
 @dataclass(frozen=True)

@@ -61,11 +61,9 @@ class ConSertModel(Model):
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
-        draft, problems = read_consert(source)
-        reading = _models(() if draft is None else (draft,), problems, source, default_guarantees)
-        if has_errors(problems):  # the draft was only good for finding more
-            return ReadResult((), reading.problems)
-        return reading
+        consert, problems = read_consert(source)
+        conserts = () if consert is None else (consert,)
+        return _models(conserts, problems, source, default_guarantees)
 
     @classmethod
     def read_eddi(
@@ -75,7 +73,7 @@ class ConSertModel(Model):
         return _models(conserts, problems, source, ())
 
     def check(self) -> Sequence[Problem]:
-        return static_checks(self.data)
+        return [*static_checks(self.data)]
 
     def counts(self) -> Mapping[str, int]:
         return {group: len(getattr(self.data, group)) for group in _GROUPS}
@@ -192,23 +190,15 @@ class ConSertModel(Model):
 
     def elements(self) -> Sequence[Element]:
         """Return what has a place, then the services."""
-        consert = self.data
-        groups = (consert.demands, consert.evidence, consert.gates, consert.guarantees)
-        nodes = [node for group in groups for node in group]
-        return [
-            *(
-                Element(
-                    node.kind,
-                    node.id,
-                    published_class(node.id) if node.kind == "guarantee" else None,
-                    node.place.line,
-                    node.place.path,
-                )
-                for node in nodes
-            ),
-            *(Element(service.kind, service.id) for service in consert.provided_services),
-            *(Element(service.kind, service.id) for service in consert.required_services),
-        ]
+        of = self.data
+        elements = []
+        nodes: Sequence[model.Node] = (*of.demands, *of.evidence, *of.gates, *of.guarantees)
+        for node in nodes:
+            class_name = published_class(node.id) if isinstance(node, model.Guarantee) else None
+            place = node.place
+            elements.append(Element(node.kind, node.id, class_name, place.line, place.path))
+        services: Sequence[model.Service] = (*of.provided_services, *of.required_services)
+        return elements + [Element(service.kind, service.id) for service in services]
 
     def why_not_fulfilled(self, output: str, user: Model, item: str) -> str | None:
         if not isinstance(user, ConSertModel):
@@ -231,10 +221,11 @@ def _models(
     models: list[ConSertModel] = []
     all_problems = [*problems, *unclear]
     for consert in marked:
-        checked, more = check_consert(consert)
-        all_problems += more
-        if checked is not None:
-            models.append(ConSertModel(checked.name, source, checked.place, data=checked))
+        faults = [*check_consert(consert)]
+        all_problems += faults
+        # one of which only something is missing can be shown
+        if not has_errors(fault for fault in faults if fault.code not in ("C011", "C014")):
+            models.append(ConSertModel(consert.name, source, consert.place, data=consert))
     return ReadResult(tuple(models), tuple(in_order(all_problems)))
 
 

@@ -6,10 +6,7 @@ They follow the rules of the ``Inflector`` library (0.11) that its generator use
 
 from __future__ import annotations
 
-from eddi_scaffold.common import identifiers
-
-RESERVED = identifiers.RESERVED | {"Unknown"}
-"""Words that no class may be: those of Python, and D7.2's ``Unknown``."""
+from eddi_scaffold.common.identifiers import RESERVED
 
 
 def class_name(id_: str) -> str:
@@ -33,9 +30,5 @@ def class_name(id_: str) -> str:
 def published_class(id_: str) -> str:
     """Return the class name of a guarantee as it is published, with ``_`` where it is reserved."""
     name = class_name(id_)
-    return f"{name}_" if is_reserved(name) else name
-
-
-def is_reserved(name: str) -> bool:
-    """Return whether no class can have a name."""
-    return name in RESERVED or name.startswith("__")
+    # D7.2 has a class of that name
+    return f"{name}_" if name in RESERVED or name == "Unknown" else name

@@ -53,17 +53,19 @@ def read_options(options: Options) -> tuple[ConSertOptions | None, list[Problem]
         problems.append(problem("K003.debounce_and_filter", place))
     if debounce is not None:
         filter_ = {"kind": "debounce", "regain_after": debounce}
-    filter_ = {"kind": "none"} if filter_ is None else filter_
-    kind = filter_.get("kind") if isinstance(filter_, Mapping) else None
-    key = _FILTERS.get(kind) if isinstance(kind, str) else None
-    steps: Any = filter_.get(key, 1) if isinstance(filter_, Mapping) and key else 1
-    if not isinstance(filter_, Mapping):
+    kind: Any = "none"
+    steps: Any = 1
+    if isinstance(filter_, Mapping):
+        kind = filter_.get("kind")
+        key = _FILTERS.get(kind) if isinstance(kind, str) else None
+        steps = filter_.get(key, 1) if key else 1
+        if key is None and kind != "none":
+            problems.append(problem("K028.filter", place, kind=kind))
+        elif type(steps) is not int or not 1 <= steps <= _MAX_SAMPLES:
+            key = key if debounce is None else "debounce"
+            problems.append(problem("K028.steps", place, key=key, limit=_MAX_SAMPLES))
+    elif filter_ is not None:
         problems.append(problem("K003.filter", place))
-    elif key is None and kind != "none":
-        problems.append(problem("K028.filter", place, kind=kind))
-    elif type(steps) is not int or not 1 <= steps <= _MAX_SAMPLES:
-        key = key if debounce is None else "debounce"
-        problems.append(problem("K028.steps", place, key=key, limit=_MAX_SAMPLES))
     if problems:
         return None, problems
     return ConSertOptions(str(ids or "source"), str(kind) if steps > 1 else "", steps), []
@@ -78,43 +80,27 @@ def with_default_guarantees(
     D7.2 can mark them, and not everybody may change the file. A mark is ``ID``, or ``CONSERT/ID``
     where several ConSerts have that id; one that fits none or several is an error (C008).
     """
+    pairs = {(consert.name, node.id): None for consert in conserts for node in consert.guarantees}
     chosen: set[tuple[str, str]] = set()
     problems: list[Problem] = []
     for mark in dict.fromkeys(marks):
-        named = _named(conserts, mark)
-        if len(named) == 1:
-            chosen.add(named[0])
-        elif named:
-            fields = {"mark": mark, "names": " or ".join("/".join(pair) for pair in named)}
-            problems.append(problem("C008.several", Place(file), **fields))
-        else:
-            names = [name for pair in _pairs(conserts) for name in (pair[1], "/".join(pair))]
+        exact = [pair for pair in pairs if "/".join(pair) == mark]
+        named = exact or [pair for pair in pairs if pair[1] == mark]
+        if not named:
+            hint = did_you_mean(
+                mark, [name for pair in pairs for name in (pair[1], "/".join(pair))]
+            )
             fields = {"mark": mark, "guarantee": shown(mark)}
-            hint = did_you_mean(mark, names)
             problems.append(problem("C008.no_guarantee", Place(file), hint=hint, **fields))
+        elif len(named) > 1:
+            names = " or ".join("/".join(pair) for pair in named)
+            problems.append(problem("C008.several", Place(file), mark=mark, names=names))
+        chosen.update(named)
     marked = []
     for consert in conserts:
         guarantees = tuple(
             replace(node, default=node.default or (consert.name, node.id) in chosen)
             for node in consert.guarantees
         )
-        marked.append(replace(consert, guarantees=guarantees) if chosen else consert)
+        marked.append(replace(consert, guarantees=guarantees))
     return tuple(marked), problems
-
-
-def marks_elsewhere(files: Sequence[Sequence[ConSert]], marks: Sequence[str]) -> set[str]:
-    """Return what is reported of marks that a file lacks and another one of these files has."""
-    known = [mark for mark in marks if any(_named(conserts, mark) for conserts in files)]
-    fields = ({"mark": mark, "guarantee": shown(mark)} for mark in known)
-    return {problem("C008.no_guarantee", **each).message for each in fields}
-
-
-def _pairs(conserts: Sequence[ConSert]) -> dict[tuple[str, str], None]:
-    return {(consert.name, node.id): None for consert in conserts for node in consert.guarantees}
-
-
-def _named(conserts: Sequence[ConSert], mark: str) -> list[tuple[str, str]]:
-    """Return ConSert and id of the guarantees that a mark may mean."""
-    pairs = _pairs(conserts)
-    exact = [pair for pair in pairs if "/".join(pair) == mark]
-    return exact or [pair for pair in pairs if pair[1] == mark]

@@ -1,9 +1,9 @@
-"""Exact arithmetic of the ranges of a numeric dimension: merging, inclusion, overlap."""
+"""Exact arithmetic of the ranges of a numeric dimension: merging, inclusion, what is common."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from fractions import Fraction
 from itertools import product
 from typing import NamedTuple
@@ -54,21 +54,6 @@ def is_empty(covered: Range) -> bool:
         return start > end
     no_double = math.nextafter(covered.start.value, math.inf) > covered.end.value
     return start >= end or (is_open and no_double)
-
-
-def overlap(ranges: Sequence[Range]) -> list[tuple[Range, Range]]:
-    """Return pairs of neighbouring ranges that share more than an end, by their starts."""
-    pairs: list[tuple[Range, Range]] = []
-    widest: tuple[Interval, Range] | None = None
-    for interval, covered in sorted(((span(r), r) for r in ranges), key=lambda pair: pair[0]):
-        if widest is not None:
-            before = widest[0]
-            is_point = before.closed and before.start == interval.start == before.end
-            if interval.start < before.end or is_point:
-                pairs.append((widest[1], covered))
-        if widest is None or interval[2:] > widest[0][2:]:
-            widest = interval, covered
-    return pairs
 
 
 def merged(intervals: Iterable[Interval]) -> list[Interval]:

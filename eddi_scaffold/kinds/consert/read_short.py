@@ -20,7 +20,6 @@ from eddi_scaffold.kinds.consert.short_texts import (
     Refused,
     Row,
     Term,
-    ids_in,
     parse_expression,
     parse_ranges,
 )
@@ -31,19 +30,15 @@ _SUBSETS = {"within": "Guarantee", "covers": "Demand"}
 
 
 def read_consert(source: Source) -> tuple[model.ConSert | None, list[Problem]]:
-    """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
-
-    Returns:
-        A ConSert in which faulty parts are replaced, ``None`` when an id or an edge could not be
-        read (checking would report its consequences); and all problems (C001 to C008).
-    """
+    """Read one ConSert, ``None`` where something of it could not be read, with all problems."""
     root, problems = y.read_map(source, "C001")
     if root is None:
         return None, problems
     if isinstance(root.get("guarantees"), y.Map):
         expansion = _Expansion(source.text("C001"))
         root = expansion.full_form(root)
-        problems += expansion.problems
+        if expansion.problems:
+            return None, [*problems, *expansion.problems]
     consert, more = read_full(root, source.stem)
     return consert, [*problems, *more]
 
@@ -141,7 +136,6 @@ class _Expansion(Reader):
         default = isinstance(item.main, y.Scalar) and item.main.text == "always"
         if not default:
             row = self._row(item, similar)
-            default = not row.terms  # a faulty one: its other faults have been told
             if row.word == "OR" and len(row.terms) > 1:
                 row = Row("AND", [row])
             self._join(item, row)
@@ -182,23 +176,21 @@ class _Expansion(Reader):
         return y.map_of(place, {"Binary": y.map_of(place, nodes)})
 
     def _row(self, item: _Declared, similar: SimilarNames) -> Row:
-        """Read an expression; of a faulty one stays what is known, so that checking can go on."""
-        node, none = item.main, Row("AND", [])
+        """Read an expression; a faulty one is reported, and empty."""
+        node, row = item.main, Row("AND", [])
         text = None if node is None else text_of(self, node, item.what, "")
         if text is None or not isinstance(node, y.Scalar):
-            return none
+            return row
         try:
-            row, faults = parse_expression(text), []
+            row = parse_expression(text)
         except Refused as refused:
-            row, faults = none, [refused]
+            self._refuse(node, refused, item.what)
         for term in _terms(row):
             if term.id not in self._ids:
                 hint, id_ = similar.hint(term.id), y.shown(term.id)
-                faults.append(Refused("C008.no_term", term.offset, hint, id=id_))
-        for fault in faults:
-            self._refuse(node, fault, item.what)
-        known = [Term(id_, 0) for id_ in ids_in(text) if id_ in self._ids] if faults else []
-        return Row("AND", [*known]) if faults else row
+                unknown = Refused("C008.no_term", term.offset, hint, id=id_)
+                self._refuse(node, unknown, item.what)
+        return row
 
     def _refuse(self, node: y.Scalar, refused: Refused, subject: str) -> None:
         """Report what is wrong inside of a text, at its character."""

@@ -1,12 +1,11 @@
 """ConSert YAML (SESAME D7.2 Fig 6) -> model: a table of what each map holds, and one reader of it.
 
-A faulty part is reported and becomes ``None``, and so does what needs it.
+A faulty part is reported and becomes ``None``, and so does all that it is in.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,9 +13,6 @@ from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
-MAX_ID = 128
-UNREADABLE = model.BinaryDimension("")
-"""Stands for a faulty dimension, so that checking goes on with the rest of the file."""
 _SHORT = ", or the short form: `guarantees: {MayDrive: PathIsFree AND Charge}`"
 
 Read = Callable[["Reader", y.Node, str, str], Any]
@@ -29,13 +25,12 @@ class Field(NamedTuple):
     key: str
     read: Read
     is_optional: bool = False
-    substitute: Any = None  # the value where a faulty one does not keep the map from being read
 
 
 class Form(NamedTuple):
     """What a map holds."""
 
-    make: Callable[..., Any]  # takes the values of the fields in their order, and a place
+    make: Callable[..., Any]  # takes the values that are there by their keys, and a place
     fields: tuple[Field, ...]
     kind: str = ""  # of an element with an id, which messages call `<kind> '<id>'`
 
@@ -48,13 +43,8 @@ class Form(NamedTuple):
 def read_full(root: y.Map, name: str) -> tuple[model.ConSert | None, list[Problem]]:
     """Read a ConSert in the full form."""
     reader = Reader()
-    consert = reader.element(root, "the ConSert", Form(partial(_consert, name), _SECTIONS))
-    return consert, reader.problems
-
-
-def _consert(name: str, *content: Any, place: Place) -> model.ConSert:
-    *sections, system = content
-    return replace(model.ConSert(name, *sections), place=place, system=system or "")
+    consert = reader.element(root, "the ConSert", Form(partial(model.ConSert, name), _SECTIONS))
+    return (None if reader.problems else consert), reader.problems
 
 
 class Reader:
@@ -81,14 +71,13 @@ class Reader:
             if text is not None:
                 what = f"{form.kind} {y.shown(text)}"
         self.check_keys(node, what, form)
-        values, is_faulty = [], False
+        values: dict[str, Any] = {}
         for field in form.fields:
-            child = node.get(field.key)
-            value = child and field.read(self, child, f"{field.key!r} of {what}", what)
-            value = field.substitute if value is None else value
-            is_faulty |= value is None and not field.is_optional
-            values.append(value)
-        return None if is_faulty else form.make(*values, place=place)
+            if (child := node.get(field.key)) is not None:
+                values[field.key] = field.read(self, child, f"{field.key!r} of {what}", what)
+        values = {key: value for key, value in values.items() if value is not None}
+        is_complete = all(field.is_optional or field.key in values for field in form.fields)
+        return form.make(**values, place=place) if is_complete else None
 
     def check_keys(self, node: y.Map, what: str, form: Form) -> None:
         """Report keys that are missing or unknown."""
@@ -115,21 +104,6 @@ class Reader:
         )
 
 
-def text_of(reader: Reader, node: y.Node, what: str, _owner: str) -> str | None:
-    """Read a text."""
-    text = y.as_text(node)
-    if text is None:
-        reader.report("C002.text", node, subject=what, node=y.describe(node))
-    return text
-
-
-def _id(reader: Reader, node: y.Node, what: str, owner: str) -> str | None:
-    text = text_of(reader, node, what, owner)
-    if text is not None and len(text) > MAX_ID:
-        reader.report("C001.long_id", node, length=len(text), limit=MAX_ID)
-    return text
-
-
 def _or_null(read: Read) -> Read:
     return lambda reader, node, what, owner: (
         None if y.is_null(node) else read(reader, node, what, owner)
@@ -146,15 +120,15 @@ def _scalar(convert: Callable[[y.Node], Any], case: str) -> Read:
     return read_scalar
 
 
-def _bound(reader: Reader, node: y.Node, what: str, _owner: str) -> model.Bound | None:
+def _bound(node: y.Node) -> model.Bound | None:
     number = y.as_number(node)
-    if number is not None:
-        return model.Bound(number.text, number.value)
-    reader.report("C002.number", node, subject=what, node=y.describe(node))
-    return None
+    return None if number is None else model.Bound(number.text, number.value)
 
 
-def word_of(title: str, known: tuple[str, ...]) -> Read:
+text_of = _scalar(y.as_text, "C002.text")
+
+
+def _word_of(title: str, known: tuple[str, ...]) -> Read:
     """Return what reads a word of a closed set."""
 
     def read_word(reader: Reader, node: y.Node, what: str, owner: str) -> str | None:
@@ -166,10 +140,8 @@ def word_of(title: str, known: tuple[str, ...]) -> Read:
     return read_word
 
 
-def list_of(
-    read: Read, item: str, *, may_be_empty: bool = False, substitute: object = None
-) -> Read:
-    """Return what reads a list; a faulty item is substituted, or makes all of it faulty.
+def _list_of(read: Read, item: str, *, may_be_empty: bool = False) -> Read:
+    """Return what reads a list.
 
     An item is named by its ``number``, by ``what`` the list is, or by what the list is in.
     """
@@ -182,11 +154,10 @@ def list_of(
         if not node.items and not may_be_empty:
             reader.report("C006.empty_list", node, subject=what)
             return None
-        items = []
-        for number, child in enumerate(node.items, 1):
-            title = item.format(number=number, what=what, owner=owner)
-            value = read(reader, child, title, owner)
-            items.append(substitute if value is None else value)
+        items = [
+            read(reader, child, item.format(number=number, what=what, owner=owner), owner)
+            for number, child in enumerate(node.items, 1)
+        ]
         return None if None in items else tuple(items)
 
     return read_list
@@ -217,14 +188,11 @@ def _variant_of(title: str, forms: Mapping[str, Form]) -> Read:
     return read_variant
 
 
-def _binary(type_: str, value: bool | None, place: Place) -> model.BinaryDimension:
-    return model.BinaryDimension(type_, place, value is not False)
-
-
 _TYPE = Field("type", text_of)
 _SUBSETS = ("Demand", "Guarantee", "Equals", "Intersection")
-_SUBSET = Field("subset", word_of("subset", _SUBSETS), is_optional=True)
-_ENDS = (Field("start", _bound), Field("end", _bound))
+_SUBSET = Field("subset", _word_of("subset", _SUBSETS), is_optional=True)
+_BOUND, _BOOLEAN = _scalar(_bound, "C002.number"), _scalar(y.as_bool, "C002.boolean")
+_ENDS = (Field("start", _BOUND), Field("end", _BOUND))
 _RANGE = _variant_of(
     "kind of range",
     {
@@ -232,44 +200,38 @@ _RANGE = _variant_of(
         for (start, end), name in model.RANGES.items()
     },
 )
-_CATEGORIES = Field("covered", list_of(text_of, "a category of {owner}"))
-_RANGES = Field("covered", list_of(_RANGE, "a range of {owner}"))
+_CATEGORIES = Field("covered", _list_of(text_of, "a category of {owner}"))
+_RANGES = Field("covered", _list_of(_RANGE, "a range of {owner}"))
 _UOM = Field("uom", _or_null(text_of), is_optional=True)
 _DIMENSION = _variant_of(
     "kind of dimension",
     {
-        "Binary": Form(
-            _binary,
-            (_TYPE, Field("value", _scalar(y.as_bool, "C002.boolean"), is_optional=True)),
-        ),
+        "Binary": Form(model.BinaryDimension, (_TYPE, Field("value", _BOOLEAN, is_optional=True))),
         "Categorical": Form(model.CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
         "Numeric": Form(model.NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
     },
 )
-_ID = Field("id", _id)
-DESCRIPTION = Field("description", _or_null(text_of), is_optional=True)
-_DIMENSIONS = Field(
-    "dimensions",
-    list_of(_DIMENSION, "a dimension of {owner}", may_be_empty=True, substitute=UNREADABLE),
-    substitute=(UNREADABLE,),
-)
-_DEFAULT = Field("default", _scalar(y.as_bool, "C002.boolean"), is_optional=True, substitute=False)
-RANKING = Field("ranking", _or_null(_scalar(y.as_integer, "C002.integer")), is_optional=True)
-_FUNCTION = word_of("gate function", ("And", "Or"))
+_ID = Field("id", text_of)
+_DESCRIPTION = Field("description", _or_null(text_of), is_optional=True)
+_DIMENSIONS = Field("dimensions", _list_of(_DIMENSION, "a dimension of {owner}", may_be_empty=True))
+_DEFAULT = Field("default", _BOOLEAN, is_optional=True)
+_RANKING = Field("ranking", _or_null(_scalar(y.as_integer, "C002.integer")), is_optional=True)
+_FUNCTION = _word_of("gate function", ("And", "Or"))
 _SERVICE_TYPE = Field("functional_service_type", text_of)
-_IDS = list_of(text_of, "a member of {what}", may_be_empty=True)
+_IDS = _list_of(text_of, "a member of {what}", may_be_empty=True)
 _ELEMENTS = {
     "guarantees": Form(
-        model.Guarantee, (_ID, _DIMENSIONS, DESCRIPTION, _DEFAULT, RANKING), "guarantee"
+        model.Guarantee, (_ID, _DIMENSIONS, _DESCRIPTION, _DEFAULT, _RANKING), "guarantee"
     ),
-    "demands": Form(model.Demand, (_ID, _DIMENSIONS, DESCRIPTION), "demand"),
+    "demands": Form(model.Demand, (_ID, _DIMENSIONS, _DESCRIPTION), "demand"),
     "evidence": Form(
-        model.Evidence,
-        (_ID, Field("dimension", _DIMENSION, substitute=UNREADABLE), DESCRIPTION),
-        "evidence",
+        model.Evidence, (_ID, Field("dimension", _DIMENSION), _DESCRIPTION), "evidence"
     ),
-    "gates": Form(model.Gate, (_ID, Field("function", _FUNCTION, substitute="And")), "gate"),
-    "tree_propagations": Form(model.Propagation, (Field("from", text_of), Field("to", text_of))),
+    "gates": Form(model.Gate, (_ID, Field("function", _FUNCTION)), "gate"),
+    "tree_propagations": Form(
+        lambda place, **ends: model.Propagation(ends["from"], ends["to"], place),
+        (Field("from", text_of), Field("to", text_of)),
+    ),
     "required_services": Form(
         model.RequiredService, (_ID, _SERVICE_TYPE, Field("demands", _IDS)), "service"
     ),
@@ -283,7 +245,7 @@ def _section(key: str, form: Form) -> Field:
     def read_element(reader: Reader, node: y.Node, what: str, _owner: str) -> Any:
         return reader.element(node, what, form)
 
-    read = list_of(read_element, "item {number} of {what}", may_be_empty=True)
+    read = _list_of(read_element, "item {number} of {what}", may_be_empty=True)
     return Field(key, lambda reader, node, _what, owner: read(reader, node, repr(key), owner))
 
 

@@ -47,7 +47,6 @@ class Row(NamedTuple):
 class _Token(NamedTuple):
     text: str  # an id, `(`, `)`, or empty at the end
     start: int
-    end: int
     word: str  # in upper case; empty for what is quoted or a symbol
 
 
@@ -63,27 +62,20 @@ def parse_expression(text: str) -> Row:
     return row
 
 
-def ids_in(text: str) -> list[str]:
-    """Return what can be ids of a text that is no expression."""
-    return [match["id"] or match["quoted"] or "" for match in _TOKEN.finditer(text)]
+def _tokens(text: str) -> Iterator[_Token]:
+    for match in _TOKEN.finditer(text):
+        start = match.start(match.lastgroup or 0)
+        symbol, id_ = match["symbol"] or "", match["id"] or ""
+        if symbol not in {"", "(", ")"}:
+            raise Refused("C002.symbol", start, symbol=repr(symbol))
+        if id_.upper() == "NOT":
+            raise Refused("C002.negation", start)
+        yield _Token(id_ or symbol or match["quoted"] or "", start, id_.upper())
 
 
 class _Parser:
     def __init__(self, text: str) -> None:
-        self.text, self.at = text, 0
-        self.tokens = [*self._tokens(), _Token("", len(text.rstrip()), len(text), "")]
-
-    def _tokens(self) -> Iterator[_Token]:
-        for match in _TOKEN.finditer(self.text):
-            start = match.start(match.lastgroup or 0)
-            symbol, id_ = match["symbol"] or "", match["id"] or ""
-            if symbol not in {"", "(", ")"}:
-                hint = "write the range below `evidence`" if symbol in "<>=!" else None
-                raise Refused("C002.symbol", start, hint, symbol=repr(symbol))
-            if id_.upper() == "NOT":
-                raise Refused("C002.negation", start)
-            text = id_ or symbol or match["quoted"] or ""
-            yield _Token(text, start, match.end(), id_.upper())
+        self.at, self.tokens = 0, [*_tokens(text), _Token("", len(text.rstrip()), "")]
 
     @property
     def token(self) -> _Token:
@@ -92,19 +84,13 @@ class _Parser:
     def row(self, depth: int) -> Row:
         if depth > _DEEPEST:
             raise Refused("C002.nested", self.token.start, limit=_DEEPEST)
-        begin, before = self.token.start, self.token.start
         word, terms = "", [self.term(depth)]
         while self.token.word in {"AND", "OR"}:
-            joint, last = self.token, self.tokens[self.at - 1].end
-            self.at += 1
-            follows = self.token.start
-            terms.append(self.term(depth))
+            joint = self.token
             if word and word != joint.word:
-                part, end = self.text[before:last], self.tokens[self.at - 1].end
-                left = f"`({self.text[begin:last]}) {self.text[joint.start : end]}`"
-                right = f"`{self.text[begin:before]}({part} {self.text[joint.start : end]})`"
-                raise Refused("C002.mixed", joint.start, f"write {left} or {right}")
-            word, before = joint.word, follows
+                raise Refused("C002.mixed", joint.start)
+            word, self.at = joint.word, self.at + 1
+            terms.append(self.term(depth))
         return _joined(word or "AND", terms)
 
     def term(self, depth: int) -> Term | Row:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Callable, Iterator, Sequence
+from decimal import ROUND_CEILING, Context, Decimal
 
 from eddi_scaffold.kinds.safeml import scope
 from eddi_scaffold.kinds.safeml.thresholds import critical_values
@@ -72,15 +72,9 @@ def _thresholds(plan: scope.Plan) -> Iterator[str]:
     yield from py.assignment("tail", law, 4)
 
 
-def upwards(value: float, digits: int = 9) -> float:
-    """Return a number of few digits that is not below ``value``: the same on every machine."""
-    if value == 0.0 or not math.isfinite(value):
-        return value
-    up = float(f"{value:.{digits - 1}e}")
-    if up >= value:
-        return up
-    unit = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
-    return float(f"{value + unit / 2:.{digits - 1}e}")
+def upwards(value: float) -> float:
+    """Return a number of nine digits that is not below ``value``: the same on every machine."""
+    return float(Context(9, ROUND_CEILING).create_decimal(Decimal(value)))
 
 
 def _table(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 from eddi_runtime.safeml.arrays import rounded
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.common.problems import Problem, has_errors, problem
+from eddi_scaffold.common.problems import Problem, has_errors, plural, problem, shortened_list
 from eddi_scaffold.kinds.safeml import scope, thresholds
 from eddi_scaffold.kinds.safeml.thresholds import autocorrelation, calibrate
 
@@ -21,9 +20,7 @@ _DEPENDENT = 0.2
 _SMALL_COMPONENT = 1e-12
 _UNLIKE_UNITS = 100.0
 _LARGEST_SQUARED = 1e150
-_HIGHEST_LEVEL = 0.5
 _FEWEST_FOR_LIMITS = 10
-_LISTED = 10
 
 
 @lru_cache(maxsize=8)
@@ -56,7 +53,10 @@ class _Planner:
             return None
         halves = self.streams or settings.n_components is not None
         _, other = scope.split(self.rows, halves=halves)
-        self._check_features()
+        constant = np.flatnonzero((self.rows == self.rows[0]).all(axis=0))
+        if len(constant):
+            features = shortened_list([*map(str, constant)])
+            self._report("L010.constant", "reference_sample_file", features=features)
         if self.streams and len(other) < (needed := max(2 * m, (m - 1) * settings.stride + 1)):
             self._report("L008", "calibration", needed=2 * needed, rows=len(self.rows))
         elif len(self.rows) < 2 * m:
@@ -76,17 +76,14 @@ class _Planner:
         )
         comparison = Comparison(settings.metric, design.reference, m)
         n, level = comparison.n, settings.significance_level / comparison.tests
-        if not thresholds.can_fire(settings.metric, n, m, level):
-            least = thresholds.smallest_window(settings.metric, n, level)
-            hint = f"the smallest window_size that works is {least}"
-            if least is None:
-                hint = "no window_size works: test fewer components or raise significance_level"
-            fields: dict[str, Any] = {"window": m, "values": n, "tests": comparison.tests}
-            fields |= {"plural": "s" if comparison.tests > 1 else "", "hint": hint}
+        critical, method = thresholds.theoretical(settings.metric, n, m, level)
+        largest = thresholds.largest_possible(settings.metric, n, m)
+        if critical > largest:
+            fields: dict[str, Any] = {"window": m, "values": n}
+            fields["tests"] = plural(comparison.tests, "test")
             fields["significance_level"] = settings.significance_level
             self._report("L007.too_few", "window_size", **fields)
             return None
-        critical, method = thresholds.theoretical(settings.metric, n, m, level)
         threshold, calibration = critical, None
         if self.streams:
             calibration = calibrate(
@@ -101,7 +98,7 @@ class _Planner:
             if settings.metric == "ks":
                 above = int(calibration.quantile) + math.gcd(n, m)
             threshold = max(critical, above)
-        if threshold > thresholds.largest_possible(settings.metric, n, m):
+        if threshold > largest:
             self._report("L007.drift", "reference_sample_file")
             return None
         plan = scope.Plan(
@@ -114,18 +111,9 @@ class _Planner:
     def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: Any) -> None:
         self.problems.append(problem(case, self.settings.place(key), hint=hint, **fields))
 
-    def _check_features(self) -> None:
-        """Report the features that never change."""
-        rows, key = self.rows, "reference_sample_file"
-        constant = np.flatnonzero((rows == rows[0]).all(axis=0)).tolist()
-        if constant:
-            self._report("L010.constant", key, features=_listed("feature", constant))
-
     def _components(self, other: scope.Rows) -> int | None:
         settings, requested = self.settings, self.settings.n_components
         if requested is None:
-            if settings.standardize:
-                self._report("L010.no_effect", "standardize")
             return None
         rows, features = other.shape
         if requested > min(rows, features):
@@ -147,8 +135,8 @@ class _Planner:
                 self._report("L013", "n_components", spread=index, largest=largest, median=median)
         kept = int((singular[:requested] > _SMALL_COMPONENT * singular[0]).sum())
         if kept < requested:
-            dropped = _listed("component", range(kept, requested))
-            self._report("L010.dropped", "n_components", features=dropped, kept=kept)
+            dropped = shortened_list([*map(str, range(kept, requested))])
+            self._report("L010.dropped", "n_components", components=dropped, kept=kept)
         return kept
 
     def _warn(self, plan: scope.Plan) -> None:
@@ -156,9 +144,6 @@ class _Planner:
         settings, metric = self.settings, self.settings.metric
         if metric != "ks" and settings.window_size < _FEWEST_FOR_LIMITS:
             self._report("L009.short_window", "window_size", metrics=scope.METRIC_NAMES[metric])
-        if metric != "ks" and plan.level > _HIGHEST_LEVEL:
-            value = thresholds.limit_quantile(metric, _HIGHEST_LEVEL)
-            self._report("L009.level", "significance_level", level=plan.level, value=value)
         correlation, test = plan.autocorrelation
         if plan.calibration is None:
             if correlation > _DEPENDENT:
@@ -175,13 +160,3 @@ class _Planner:
             level, windows = settings.significance_level, plan.calibration.windows
             key = "significance_level"
             self._report("L011.resolution", key, significance_level=level, windows=windows)
-
-
-def _listed(what: str, numbers: Sequence[int]) -> str:
-    """Name things by their numbers: ``feature 3``, ``features 3, 5``."""
-    plural = "s" if len(numbers) > 1 else ""
-    return f"{what}{plural} {', '.join(map(str, numbers[:_LISTED]))}{_more(numbers)}"
-
-
-def _more(items: Sequence[object]) -> str:
-    return f" and {len(items) - _LISTED} more" if len(items) > _LISTED else ""

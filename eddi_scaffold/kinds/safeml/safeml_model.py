@@ -10,7 +10,6 @@ from eddi_scaffold.common.claims import Claim, Element
 from eddi_scaffold.common.escaping import markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
@@ -28,12 +27,6 @@ from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 DEFAULT_INPUT = "sample"
-_SHOWN = 8
-_LEGEND = (
-    LegendEntry("samples", "rounded", "input"),
-    LegendEntry("comparison", "table", "gate"),
-    LegendEntry("verdict", "hexagon", "output"),
-)
 _PERIODS = 10  # Steps without a sample after which a window is too old, unless `max_age` is given
 
 
@@ -92,32 +85,6 @@ class SafeMLModel(Model):
 
     def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]]:
         return as_eddi_map(self.name, self.data)
-
-    def diagram(self) -> Diagram:
-        """Return the picture; without thresholds where there are none."""
-        plan = self._planned[0]
-        settings, source = self.data.settings, self.data.reference.source
-        rows, features = self.data.reference.rows.shape
-        tests, threshold = ["no thresholds"], ""
-        if plan is not None:
-            tests, threshold = list(plan.labels[:_SHOWN]), f">= {plan.scale(plan.threshold):.4g}"
-            tests += [f"and {plan.tests - _SHOWN} more"] if plan.tests > _SHOWN else []
-        window = ("samples", f"the last {settings.window_size}")
-        reference = (source.file_name, f"{rows} rows, {features} features")
-        level = f"level {_percent(settings.significance_level)}"
-        nodes = (
-            DiagramNode("window", window, "rounded", "input"),
-            DiagramNode("reference", reference, "rounded", "input"),
-            DiagramNode("tests", (METRIC_NAMES[settings.metric], *tests), "table", "gate"),
-            DiagramNode("verdict", ("odd_violation", level), "hexagon", "output"),
-        )
-        edges = (
-            DiagramEdge("window", "tests"),
-            DiagramEdge("reference", "tests"),
-            DiagramEdge("tests", "verdict", threshold),
-        )
-        text = "samples and reference are compared, and the largest distance decides"
-        return Diagram(f"SafeML {self.name}", nodes, edges, "down", _LEGEND, text)
 
     def draft(self, options: Options) -> ModelDraft:
         name = options.inputs[0].id if options.inputs else DEFAULT_INPUT

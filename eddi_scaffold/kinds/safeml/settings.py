@@ -40,7 +40,6 @@ _REQUIRED = {
     "distance_metric": "KolmogorovSmirnovDistance",
 }
 """The keys of SESAME D7.2 Fig 23 without which nothing can be compared, each with a value."""
-_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 
 def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]:
@@ -57,17 +56,19 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
     for name, node in root.entries:
         key = name.text
         if key not in KEYS:
-            hint = did_you_mean(key, KEYS) or f"known keys: {', '.join(KEYS)}"
-            problems.append(problem("L001.unknown_key", name.place, hint=hint, key=key))
+            similar = did_you_mean(key, KEYS) or f"known keys: {', '.join(KEYS)}"
+            problems.append(problem("L001.unknown_key", name.place, hint=similar, key=key))
             continue
         read, expected = KEYS[key]
         try:
             values[key] = read(node)
-        except (TypeError, ValueError):
+        except ValueError:
             fields = {"key": key, "expected": expected, "actual": y.describe(node)}
-            problems.append(
-                problem("L001.value", node.place, hint=_hint(key, y.as_text(node)), **fields)
-            )
+            hint: str | None = None
+            if key == "distance_metric":
+                hint = did_you_mean(y.as_text(node) or "", METRICS)
+                hint = hint or f"there are: {', '.join(METRICS)}"
+            problems.append(problem("L001.value", node.place, hint=hint, **fields))
     if problems:
         return None, problems
     values["metric"] = values.pop("distance_metric")
@@ -75,22 +76,11 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
     return SafeMLSettings(**values, places={"": root.place, **places}), []
 
 
-def _hint(key: str, text: str | None) -> str | None:
-    if key == "distance_metric":
-        return did_you_mean(text or "", METRICS) or f"there are: {', '.join(METRICS)}"
-    return None
-
-
 def _number(node: y.Node) -> float:
-    """Return a number; a text is one when it reads as one (YAML 1.1 takes ``1e-3`` as a text)."""
-    value = y.value_11(node) if isinstance(node, y.Scalar) else None
-    if isinstance(value, str) and len(value) <= 64 and _NUMBER.fullmatch(value):
-        value = float(value)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError
-    if isinstance(value, float) and not math.isfinite(value):
+    number = y.as_number(node)
+    if number is None or not math.isfinite(number.value):
         raise ValueError
-    return value
+    return number.value
 
 
 def _integer(node: y.Node, low: int, high: int) -> int:
@@ -104,7 +94,7 @@ def _above_0(node: y.Node, below: float) -> float:
     value = _number(node)
     if not 0.0 < value < below:
         raise ValueError
-    return float(value)
+    return value
 
 
 def _text(node: y.Node) -> str:
@@ -115,9 +105,9 @@ def _text(node: y.Node) -> str:
 
 
 def _boolean(node: y.Node) -> bool:
-    value = y.value_11(node) if isinstance(node, y.Scalar) else None
-    if not isinstance(value, bool):
-        raise TypeError
+    value = y.as_bool(node)
+    if value is None:
+        raise ValueError
     return value
 
 
@@ -179,7 +169,7 @@ def export(file: SafeMLFile, name: str, reference: str = "reference.csv") -> Map
 
 DIGEST, ARTIFACT = "reference_sample_sha256", "artifact"
 _KNOWN = (MODEL, *KEYS, DIGEST, ARTIFACT)
-_PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*", re.ASCII)
+_PLAIN = re.compile(r"[-+.]?[A-Za-z0-9][A-Za-z0-9_.+-]*", re.ASCII)
 
 
 def settings_of_eddi(

@@ -60,18 +60,6 @@ def largest_statistics(
     return np.concatenate(largest)
 
 
-def of_windows(comparison: Comparison, windows: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
-    """Return the statistic of each test of many windows: (B, K, m) -> (B, K)."""
-    shape = (comparison.tests, len(windows), comparison.m)
-    series = windows.swapaxes(0, 1).reshape(comparison.tests, -1)
-    lower, upper = (ranks.reshape(shape).swapaxes(0, 1) for ranks in _ranks(comparison, series))
-    is_tied = bool((lower != upper).any())
-    statistics: npt.NDArray[Any] = comparison.of_ranks(
-        lower, upper if is_tied else None, comparison.counts(windows)
-    )
-    return statistics
-
-
 def _ranks(comparison: Comparison, series: Rows) -> list[npt.NDArray[np.int64]]:
     """Return how many reference values are below each value, and how many are not above it."""
     ranks, reference = comparison.backend.ranks, comparison.reference
@@ -167,25 +155,11 @@ def ks_tail(n: int, m: int, scaled: int) -> float:
     return -math.expm1(min(0.0, log_inside))
 
 
-def can_fire(metric: Metric, n: int, m: int, level: float) -> bool:
-    """Return whether a window that is wholly beyond the reference would be a violation."""
-    if metric == "ks":
-        # both complete separations together: 2 / C(n + m, m)
-        log_total = math.lgamma(n + m + 1) - math.lgamma(n + 1) - math.lgamma(m + 1)
-        return math.log(2.0) - log_total <= math.log(level) + 1e-12
-    return largest_possible(metric, n, m) >= critical_value(metric, level, n, m)
-
-
 def largest_possible(metric: Metric, n: int, m: int) -> float:
     """Return the statistic of a window that is wholly beyond the reference."""
-    reference = np.arange(n, dtype=np.float64)[None, :]
-    beyond = n + np.arange(m, dtype=np.float64)[None, None, :]
-    return float(of_windows(Comparison(metric, reference, m), beyond)[0, 0])
-
-
-def smallest_window(metric: Metric, n: int, level: float, most: int = 2000) -> int | None:
-    """Return the smallest window with which the monitor can fire, ``None`` up to ``most``."""
-    return next((m for m in range(1, most + 1) if can_fire(metric, n, m, level)), None)
+    comparison = Comparison(metric, np.arange(n, dtype=np.float64)[None], m)
+    beyond = np.arange(n, n + m, dtype=np.float64)[None]
+    return float(largest_statistics(comparison, beyond, stride=1, distance=1)[0])
 
 
 _TABLE = Path(__file__).with_name("quantiles.txt").read_text("utf-8").splitlines()[1:]
@@ -201,14 +175,9 @@ _LIMIT_VARIANCE = {"cvm": 1.0 / 45.0, "ad": 2.0 * (math.pi**2 - 9.0) / 3.0}
 
 def limit_quantile(metric: str, level: float) -> float:
     """Return the upper quantile of the limiting law of ``cvm`` or ``ad``; above 0.5 that of 0.5."""
-    table = _QUANTILES[metric]
-    if level >= _LEVELS[0]:
-        return table[0]
     if level < _LEVELS[-1]:
-        return table[-1] + _SLOPES[metric] * math.log(_LEVELS[-1] / level)
-    k = next(k for k in range(1, len(_LEVELS)) if level >= _LEVELS[k])
-    share = math.log(_LEVELS[k - 1] / level) / math.log(_LEVELS[k - 1] / _LEVELS[k])
-    return table[k - 1] + share * (table[k] - table[k - 1])
+        return _QUANTILES[metric][-1] + _SLOPES[metric] * math.log(_LEVELS[-1] / level)
+    return float(np.interp(-np.log(level), -np.log(_LEVELS), _QUANTILES[metric]))
 
 
 def moments(metric: str, n: int, m: int) -> tuple[float, float]:

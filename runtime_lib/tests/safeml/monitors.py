@@ -52,3 +52,13 @@ def give(value):
 
 def step(one, value, seconds=0.0):
     return one.execute_step(give(value), round(seconds * 1e9))
+
+
+def of_windows(comparison, windows):
+    """Return the statistic of each test of many windows: (B, K, m) -> (B, K)."""
+    shape = (comparison.tests, len(windows), comparison.m)
+    series = windows.swapaxes(0, 1).reshape(comparison.tests, -1)
+    ranks = (comparison.backend.ranks(comparison.reference, series, equal=e) for e in (False, True))
+    lower, upper = (of.reshape(shape).swapaxes(0, 1) for of in ranks)
+    is_tied = bool((lower != upper).any())
+    return comparison.of_ranks(lower, upper if is_tied else None, comparison.counts(windows))

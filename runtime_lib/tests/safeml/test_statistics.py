@@ -9,7 +9,7 @@ from eddi_runtime.safeml.comparison import (
     Window,
 )
 
-from eddi_scaffold.kinds.safeml.thresholds import of_windows
+from runtime_lib.tests.safeml.monitors import of_windows
 
 METRICS = ("ks", "cvm", "ad")
 

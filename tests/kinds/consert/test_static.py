@@ -18,6 +18,7 @@ from tests.kinds.consert.example import as_source, oracle
 MORE = {
     *("P_uom_percent", "P_uom_rad"),  # units of robots, which conserts-rs does not have
     *("P_guar_dimensions_empty", "P_cat_no_subset", "P_num_no_subset"),  # EDDIs have such
+    *("P_num_overlap", "P_gate_or_one", "P_edge_dup"),  # harmless
 }
 
 
@@ -93,13 +94,13 @@ CASES = {
         consert(["G"], ["o|"], "a>o b>o a>G o>G"),
         ["S002.element b"],
     ),
-    "equal functions and implication": (
+    "a single point of failure": (
         consert("GHI", [], "a>G a>H b>H a>I b>I", services=["GHI"]),
-        ["S003.implies H G", "S003.implies I G", "S007 S0 a"],
+        ["S007 S0 a"],
     ),
     "ranking against implication, and two defaults": (
         consert([*RANKED, *DEFAULTS], ["o|"], "a>o b>o o>W a>S b>S", services=["WSDE"]),
-        ["S005.defaults S0 D E", "S003.implies S W", "S005.dominated S W S"],
+        ["S005.defaults S0 D E", "S005.dominated S W S"],
     ),
     "too many sets": (
         consert(
@@ -116,7 +117,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_found(name):
     model, expected = CASES[name]
-    problems = static_checks(model)
+    problems = [*static_checks(model)]
     ids = [re.findall(r"'(\w+)'", problem.message) for problem in problems]
     found = [" ".join([p.case, *names]) for p, names in zip(problems, ids, strict=True)]
     assert found == expected
@@ -157,4 +158,4 @@ def test_path_sets_say_all_about_a_node(model):
             outcomes[id_].add(value)
     for id_, values in outcomes.items():
         assert fixed[id_] == (values.pop() if len(values) == 1 else None)
-    static_checks(model)
+    list(static_checks(model))  # comes to an end

@@ -16,18 +16,17 @@ from eddi_runtime.safeml.comparison import Comparison
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.safeml.compile import upwards
 from eddi_scaffold.kinds.safeml.plan import plan
-from eddi_scaffold.kinds.safeml.scope import Plan, ReferenceSample, SafeMLSettings
+from eddi_scaffold.kinds.safeml.scope import Metric, Plan, ReferenceSample, SafeMLSettings
 from eddi_scaffold.kinds.safeml.thresholds import (
-    can_fire,
     critical_value,
     critical_values,
     ks_asymptotic,
     ks_tail,
+    largest_possible,
     limit_quantile,
-    of_windows,
-    smallest_window,
     theoretical,
 )
+from runtime_lib.tests.safeml.monitors import of_windows
 from tests.data_files import data_file
 from tests.kinds.safeml.monitors import LONG_NAMES, running
 
@@ -187,15 +186,15 @@ def test_large_samples_take_the_asymptotic_one_which_is_not_below() -> None:
         assert ks_asymptotic(1000, 100, level) >= theoretical("ks", 1000, 100, level)[0]
 
 
-@pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
-def test_a_window_that_can_fire_and_one_that_cannot(metric: str) -> None:
-    least = smallest_window(metric, 1000, 0.01)
-    assert least is not None
-    assert can_fire(metric, 1000, least, 0.01)
-    assert least == 1 or not can_fire(metric, 1000, least - 1, 0.01)
-    threshold, _ = theoretical(metric, 1000, least, 0.01)
-    beyond = np.arange(1000.0, 1000.0 + least)[None, None]
-    assert of_windows(Comparison(metric, np.arange(1000.0)[None], least), beyond)[0, 0] >= threshold
+@pytest.mark.parametrize(("metric", "least"), [("ks", 2), ("cvm", 3), ("ad", 2)])
+def test_a_window_that_can_fire_and_one_that_cannot(metric: Metric, least: int) -> None:
+    def can_fire(m: int) -> bool:
+        return theoretical(metric, 20, m, 0.01)[0] <= largest_possible(metric, 20, m)
+
+    assert (can_fire(least - 1), can_fire(least)) == (False, True)
+    beyond = np.arange(20.0, 20.0 + least)[None, None]
+    comparison = Comparison(metric, np.arange(20.0)[None], least)
+    assert of_windows(comparison, beyond)[0, 0] == largest_possible(metric, 20, least)
 
 
 def test_upwards() -> None:

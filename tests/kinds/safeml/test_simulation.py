@@ -6,7 +6,8 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from benchmarks.safeml_power import METRICS, WINDOW, planned, power, process, rate
 from eddi_scaffold.kinds.safeml.scope import Metric
-from eddi_scaffold.kinds.safeml.thresholds import of_windows, theoretical
+from eddi_scaffold.kinds.safeml.thresholds import theoretical
+from runtime_lib.tests.safeml.monitors import of_windows
 
 pytestmark = pytest.mark.slow
 
