@@ -178,10 +178,10 @@ def row_of_tree(events: int, runs: int, seconds: float) -> dict[str, Any]:
             above.append(events + len(gates) - 1)
         level = above
     diagram = diagram_of(events, gates, level[0])
-    evaluate = compiled(diagram).failure
+    evaluate = compiled(diagram, events).failure
     q = [chance.random() * 1e-2 for _ in range(events)]
     peer = (lambda: enumerated(gates, q)) if events <= 10 else None
-    case = f"tree, {events} events, {diagram.size} nodes"
+    case = f"tree, {events} events, {len(diagram.nodes)} nodes"
     reason = "too many combinations"
     return paired(case, lambda: evaluate(q), "enumeration", peer, runs, seconds, reason)
 
@@ -190,17 +190,16 @@ def row_of_large_tree(runs: int, seconds: float) -> dict[str, Any]:
     """Return the row of a vote of 200 out of 400, whose sums are not written out."""
     gates = [Gate("VOTE", tuple(range(400)), 200)]
     diagram = diagram_of(400, gates, 400)
-    evaluate = compiled(diagram).failure
-    nodes = diagram.modules[0].nodes
+    evaluate = compiled(diagram, 400).failure
     q = [0.4 + i / 4000 for i in range(400)]
 
     def loop() -> float:
         values = [0.0, 1.0]
-        for variable, high, low in nodes:
+        for variable, high, low in diagram.nodes:
             values.append(q[variable] * values[high] + (1.0 - q[variable]) * values[low])
-        return values[diagram.modules[0].root]
+        return values[diagram.root]
 
-    case = f"tree, 400 events, {diagram.size} nodes"
+    case = f"tree, 400 events, {len(diagram.nodes)} nodes"
     return paired(case, lambda: evaluate(q), "a loop over the nodes", loop, runs, seconds, "")
 
 

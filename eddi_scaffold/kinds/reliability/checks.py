@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.kinds.reliability import chains
 from eddi_scaffold.kinds.reliability.decision_diagram import NODE_LIMIT, TooLargeError
-from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, CUT_SETS
+from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, CUT_SETS, order
 from eddi_scaffold.kinds.reliability.lowering import chain_of, lower_tree
 from eddi_scaffold.kinds.reliability.system import (
     DYNAMIC,
@@ -18,7 +18,6 @@ from eddi_scaffold.kinds.reliability.system import (
     FaultTree,
     Gate,
     ReliabilitySystem,
-    order,
 )
 
 MAX_STATES = 2000
@@ -177,16 +176,13 @@ def _size_and_cut_sets(component: ComponentModel, tree: FaultTree) -> Iterator[P
         return
     try:
         _ = lowered.diagram
-    except TooLargeError as failure:
-        nodes, limit = failure.count, lowered.limit
-        named = lowered.names[failure.gate - len(lowered.events)].name
+    except TooLargeError:
         hint = "make parts share fewer events"
-        if limit <= NODE_LIMIT:  # ten times more would need more memory than there is
+        if lowered.limit <= NODE_LIMIT:  # ten times more would need more memory than there is
             hint += ", or raise node_limit"
         if all(gate.type in COHERENT for gate in lowered.gates):
             hint += ", or take bounds: `approximation: cut_sets`"
-        fields = {"tree": name, "gate": named}
-        yield problem("R010.diagram", place, hint=hint, nodes=nodes, limit=limit, **fields)
+        yield problem("R010.diagram", place, hint=hint, tree=name, limit=lowered.limit)
         return
     # the file lists them whatever the probabilities of the events are
     cut_sets = lowered.all_cut_sets({}) if tree.cut_sets is not None else None

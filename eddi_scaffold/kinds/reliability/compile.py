@@ -33,7 +33,7 @@ _LEVEL = Rule("float", 0.0, 100.0, slack=0.5)
 _TEMPERATURE = Rule("float", -200.0, sys.float_info.max)
 _LOAD = Rule("float", 0.0, sys.float_info.max)
 _SECONDS = Rule("float", -1e12, 1e12)
-FORMAT = 2
+FORMAT = 3
 NODES_WRITTEN_OUT = 4000
 """Nodes of a diagram up to which its sums are written out; a loop is slower, but has no text."""
 MODULES = (
@@ -261,7 +261,7 @@ def tree_lines(
 ) -> Iterator[str]:
     """Yield the class of a tree; ``orders``: event that is a dynamic gate, class of its chain."""
     events, diagram = tree.events, tree.diagram
-    is_written_out = diagram is not None and diagram.size <= limit
+    is_written_out = diagram is not None and len(diagram.nodes) <= limit
     exact = "tree.FaultTree" if is_written_out else "large_tree.LargeTree"
     yield f"class {name}({exact if diagram else 'large_tree.BoundedTree'}):"
     yield from py.assignment(
@@ -286,16 +286,17 @@ def tree_lines(
         if not diagram.coherent:
             yield "    grows = False"
         if not is_written_out or (not diagram.coherent and (observed or models)):
-            yield "    # Nodes (variable, high, low) of each module, and its root."
-            yield from py.assignment("modules", py.literal(table(diagram)), 4)
+            yield "    # Nodes (event, high, low), the last one at the top."
+            yield from py.assignment("nodes", py.literal(diagram.nodes), 4)
     values = [_law(event) for event in events]
     yield from ("", "    def laws(self, age, horizon):")
     if any("until" in text for text in values):
         yield "        until = age + horizon"
     if any("expm1" in text for text in values):
         yield "        expm1 = tree.expm1"
-    abouts = [_about(event.name, event.place) for event in events]
-    laws = (py.Item(text, behind=about) for text, about in zip(values, abouts, strict=True))
+    laws = (
+        py.Item(text, behind=about) for text, about in zip(values, map(_about, events), strict=True)
+    )
     yield from py.returned(py.Group("[", tuple(laws), "]"), 8)
     if diagram is not None and is_written_out:
         for method, of_failure in (("failure", True), ("survival", False)):
@@ -303,17 +304,8 @@ def tree_lines(
             yield from _sums_of_products(tree, diagram, of_failure=of_failure)
 
 
-def table(diagram: Diagram) -> tuple[object, ...]:
-    """Return the modules with variables that count those before behind the events."""
-    number_of = {module.variable: diagram.events + i for i, module in enumerate(diagram.modules)}
-    return tuple(
-        (tuple((number_of.get(v, v), high, low) for v, high, low in module.nodes), module.root)
-        for module in diagram.modules
-    )
-
-
-def _about(name: str, place: str) -> str:
-    return py.comment(f"{name}: {place}" if place else name)
+def _about(event: lowering.Event) -> str:
+    return py.comment(f"{event.name}: {event.place}" if event.place else event.name)
 
 
 def _law(event: lowering.Event) -> str:
@@ -336,39 +328,25 @@ def _sums_of_products(
     tree: lowering.FaultTree, diagram: Diagram, *, of_failure: bool
 ) -> Iterator[str]:
     """Yield sums of products of what is not negative: nothing cancels, 1e-27 keeps its digits."""
-    named = [(event.name, event.place) for event in tree.events]
-    named += [
-        (f"{gate.type} {named.name}".rstrip(), named.place)
-        for gate, named in zip(tree.gates, tree.names, strict=True)
-    ]
     if len(tree.events) == 1:
-        yield f"        q0 = q[0]  # {_about(*named[0])}".rstrip("# ")
+        yield f"        q0 = q[0]  # {_about(tree.events[0])}".rstrip("# ")
     else:
         yield "        ("
-        for i in range(len(tree.events)):
-            yield f"            q{i},  # {_about(*named[i])}".rstrip("# ")
+        for i, event in enumerate(tree.events):
+            yield f"            q{i},  # {_about(event)}".rstrip("# ")
         yield "        ) = q"
     complements: set[int] = set()
-    last = diagram.modules[-1]
-    for place, module in enumerate(diagram.modules):
-        value = {FALSE: "0.0", TRUE: "1.0"}
-        if module is last and not of_failure:
-            value = {FALSE: "1.0", TRUE: "0.0"}
-        for i, (variable, high, low) in enumerate(module.nodes):
-            if value[low] != "0.0" and variable not in complements:
-                complements.add(variable)
-                yield f"        w{variable} = 1.0 - q{variable}"
-            value[i + 2] = f"n{place}_{i}"
-            products = [
-                weight if value[branch] == "1.0" else f"{weight} * {value[branch]}"
-                for weight, branch in ((f"q{variable}", high), (f"w{variable}", low))
-                if value[branch] != "0.0"
-            ]
-            about = py.comment(named[variable][0]) if variable < len(named) else ""
-            text = " + ".join(products) or "0.0"
-            yield from py.assignment(value[i + 2], text, 8, about)
-        gate = _about(*named[module.variable]) if module.variable < len(named) else ""
-        if module is last:
-            yield from py.returned(value[module.root], 8, gate)
-        else:
-            yield from py.assignment(f"q{module.variable}", value[module.root], 8, gate)
+    value = {FALSE: "0.0", TRUE: "1.0"} if of_failure else {FALSE: "1.0", TRUE: "0.0"}
+    for node, (event, high, low) in enumerate(diagram.nodes, 2):
+        if value[low] != "0.0" and event not in complements:
+            complements.add(event)
+            yield f"        w{event} = 1.0 - q{event}"
+        products = [
+            weight if value[branch] == "1.0" else f"{weight} * {value[branch]}"
+            for weight, branch in ((f"q{event}", high), (f"w{event}", low))
+            if value[branch] != "0.0"
+        ]
+        value[node] = f"n{node}"
+        about = py.comment(tree.events[event].name)
+        yield from py.assignment(value[node], " + ".join(products) or "0.0", 8, about)
+    yield f"        return {value[diagram.root]}"

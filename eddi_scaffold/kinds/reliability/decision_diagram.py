@@ -12,15 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.reliability.fault_tree import (
-    ALWAYS,
-    COHERENT,
-    NEVER,
-    Gate,
-    Tree,
-    reached,
-    simplified,
-)
+from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, Gate, order, used_gates
 
 FALSE, TRUE = 0, 1
 NODE_LIMIT = 2_000_000
@@ -30,33 +22,16 @@ _LARGEST = 2**60
 
 
 class TooLargeError(ValueError):
-    """The diagram of a gate, by its number behind the events, has more nodes than the limit."""
-
-    def __init__(self, gate: int, count: int) -> None:
-        super().__init__(f"the diagram has {count} nodes")
-        self.gate, self.count = gate, count
-
-
-class Module(NamedTuple):
-    """The diagram of one independent part of a tree."""
-
-    variable: int  # number of the pseudo-event that it gives
-    # (event or pseudo-event, high, low), lower ones first, those of a variable together
-    nodes: tuple[tuple[int, int, int], ...]
-    root: int
+    """The diagram has more nodes than the limit."""
 
 
 class Diagram(NamedTuple):
-    """The diagrams of a tree, inner modules first; the last one is the top event."""
+    """The diagram of a tree."""
 
-    events: int
-    modules: tuple[Module, ...]
+    # (event, high, low), lower ones first, those of an event together
+    nodes: tuple[tuple[int, int, int], ...]
+    root: int
     coherent: bool
-
-    @property
-    def size(self) -> int:
-        """Number of nodes."""
-        return sum(len(module.nodes) for module in self.modules)
 
 
 def build(
@@ -67,7 +42,7 @@ def build(
     limit: int = NODE_LIMIT,
     known: Sequence[tuple[int, bool]] = (),
 ) -> Diagram:
-    """Return the diagram of a tree; each gate refers to so many events and to gates before it.
+    """Return the diagram of a tree; each gate refers to so many events and to gates.
 
     ``first`` may be unknown at run time: they come first where the tree is not coherent, so that
     their intervals are exact. ``known`` are certain, or cannot happen.
@@ -75,49 +50,40 @@ def build(
     Raises:
         TooLargeError: there would be more nodes than the limit, also on the way.
     """
-    tree = simplified(events, gates, top, known, split=True)
-    used = reached(tree.gates, tree.top)
-    coherent = all(tree.gates[n].type in COHERENT for n in used if n in tree.gates)
-    if not coherent and first.intersection(used):  # the intervals of modules are none of events
-        tree = simplified(events, gates, top, known, split=False)
-    else:
-        first = frozenset()
-    if tree.top not in tree.gates:  # a basic event, or a constant
-        leaf = {NEVER: FALSE, ALWAYS: TRUE}.get(tree.top)
-        nodes = ((tree.top, TRUE, FALSE),) if leaf is None else ()
-        module = Module(events + len(gates), nodes, 2 if leaf is None else leaf)
-        return Diagram(events, (module,), coherent)
-    modules: list[Module] = []
-    borders = frozenset(tree.modules)
-    for number in tree.modules:
-        modules.append(_smallest(tree, number, borders, first, limit))
-        limit -= len(modules[-1].nodes)
-    return Diagram(events, tuple(modules), coherent)
-
-
-def _smallest(
-    tree: Tree, top: int, borders: frozenset[int], first: frozenset[int], limit: int
-) -> Module:
-    inner = reached(tree.gates, top, borders, behind=True)
-    gates = {n: tree.gates[n] for n in inner if n in tree.gates and (n == top or n not in borders)}
-    orders = list(dict.fromkeys(_orders(gates, top, first)))
+    used = _flattened(used_gates(events, gates, top))
+    coherent = all(gate.type in COHERENT for gate in used.values())
+    orders = list(dict.fromkeys(_orders(used, top, frozenset() if coherent else first)))
     allowed = min(_FIRST_LIMIT, limit)
     while True:
         diagrams = []
-        for order in orders:
+        for variables in orders:
             with suppress(TooLargeError):
-                diagrams.append(_Builder(gates, order, allowed).module(top))
+                diagrams.append(_Builder(used, variables, allowed, dict(known)).nodes(top))
         if diagrams:
-            return min(diagrams, key=lambda module: len(module.nodes))
+            nodes, root = min(diagrams, key=lambda of: len(of[0]))
+            return Diagram(nodes, root, coherent or not nodes)
         if allowed == limit:
-            raise TooLargeError(tree.origin.get(top, top), limit)
+            raise TooLargeError
         allowed = min(10 * allowed, limit)
+
+
+def _flattened(gates: Mapping[int, Gate]) -> dict[int, Gate]:
+    """Return gates of which an OR or AND takes the inputs of one that is its input alone."""
+    uses = Counter(n for gate in gates.values() for n in gate.of)
+    flat: dict[int, Gate] = {}
+    for number, gate in gates.items():
+        of: list[int] = []
+        for n in gate.of:
+            inner = flat.get(n) if gate.type in ("OR", "AND") and uses[n] == 1 else None
+            of += flat.pop(n).of if inner and inner.type == gate.type else [n]
+        flat[number] = gate._replace(of=tuple(of))
+    return flat
 
 
 def _orders(
     gates: Mapping[int, Gate], top: int, first: frozenset[int]
 ) -> Iterator[tuple[int, ...]]:
-    """Yield orders of variables by their first visit: as they stand, small or shared ones first."""
+    """Yield orders of events by their first visit: as they stand, small or shared ones first."""
     size: dict[int, int] = {}
     for number, gate in gates.items():
         size[number] = min(sum(size.get(n, 1) for n in gate.of), _LARGEST)
@@ -128,23 +94,31 @@ def _orders(
         lambda n: (-uses[n], size.get(n, 1)),
     )
     for key in keys:
-        ordered = {n: Gate(gate.type, tuple(sorted(gate.of, key=key))) for n, gate in gates.items()}
-        order = (n for n in reached(ordered, top) if n not in gates)
-        yield tuple(sorted(order, key=lambda n: n not in first))
+        below = {number: sorted(gate.of, key=key) for number, gate in gates.items()}
+        reached = (n for n in order(top, below)[0] if n not in gates)
+        yield tuple(sorted(reached, key=lambda n: n not in first))
 
 
 class _Builder:
-    """Builds one module, whose first variable is at the top; the leaves are below all levels."""
+    """Builds the diagram for an order of the events; the leaves are below all levels."""
 
-    def __init__(self, gates: Mapping[int, Gate], order: Sequence[int], limit: int) -> None:
-        self._gates, self._variables, self._limit = gates, order, limit
-        self._level = [len(order)] * 2
+    def __init__(
+        self,
+        gates: Mapping[int, Gate],
+        variables: Sequence[int],
+        limit: int,
+        known: Mapping[int, bool],
+    ) -> None:
+        self._gates, self._variables, self._limit, self._known = gates, variables, limit, known
+        self._level = [len(variables)] * 2
         self._high, self._low = [FALSE, TRUE], [FALSE, TRUE]
-        self._unique: list[dict[int, int]] = [{} for _ in order]
+        self._unique: list[dict[int, int]] = [{} for _ in variables]
         self._memo: dict[tuple[int, int, int], int] = {}
 
-    def module(self, top: int) -> Module:
+    def nodes(self, top: int) -> tuple[tuple[tuple[int, int, int], ...], int]:
+        """Return the nodes, and which of them is at the top."""
         done = {v: self._node(level, TRUE, FALSE) for level, v in enumerate(self._variables)}
+        done |= self._known  # true and false are the leaves
         for number, gate in self._gates.items():
             done[number] = self._gate(gate, [done[n] for n in gate.of])
             if len(self._memo) > self._limit:
@@ -162,7 +136,7 @@ class _Builder:
             number_of[node] = len(number_of)
             variable = self._variables[self._level[node]]
             nodes.append((variable, number_of[self._high[node]], number_of[self._low[node]]))
-        return Module(top, tuple(nodes), number_of[done[top]])
+        return tuple(nodes), number_of[done[top]]
 
     def _gate(self, gate: Gate, below: list[int]) -> int:
         # from behind: each step mostly adds nodes on top
@@ -175,7 +149,7 @@ class _Builder:
                 pairs = itertools.pairwise(row)
                 row = [TRUE, *(self._ite(node, fewer, same) for fewer, same in pairs)]
             return row[gate.k]
-        result = TRUE if gate.type == "AND" else FALSE
+        result = TRUE if gate.type == "AND" and below else FALSE
         for node in below:
             if gate.type == "AND":
                 result = self._ite(node, result, FALSE)
@@ -193,7 +167,7 @@ class _Builder:
         if node is None:
             node = self._unique[level][key] = len(self._level)
             if node - 2 >= self._limit:
-                raise TooLargeError(0, self._limit)
+                raise TooLargeError
             self._level.append(level)
             self._high.append(high)
             self._low.append(low)

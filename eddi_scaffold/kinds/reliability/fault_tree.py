@@ -1,22 +1,18 @@
-"""Fault trees made smaller (constants, chains of gates, modules), and their minimal cut sets.
+"""Gates of fault trees by number, and minimal cut sets (Fussell and Vesely 1972).
 
-Sources: Dutuit and Rauzy 1996 (modules), Niemelä 1997 (simplification), Fussell and Vesely 1972
-(cut sets). Nothing here recurses, since trees may be deep.
+Nothing here recurses, since trees may be deep.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import count, groupby
-from typing import NamedTuple
-
-NEVER, ALWAYS = -1, -2  # Numbers of what cannot happen, and of what is certain
-
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from itertools import groupby
+from typing import NamedTuple, TypeVar
 
 COHERENT = frozenset({"OR", "AND", "VOTE"})
 CUT_SETS = 10_000  # Sets below any gate
 WORK = 8_000_000  # Sets that are made and compared for one tree, about half a second
+T = TypeVar("T", bound=Hashable)
 
 
 class Gate(NamedTuple):
@@ -27,173 +23,31 @@ class Gate(NamedTuple):
     k: int = 0
 
 
-class Tree(NamedTuple):
-    """A tree that was made smaller."""
-
-    gates: dict[int, Gate]  # by number, each behind those that it refers to
-    top: int  # number of a gate or event, `NEVER` or `ALWAYS`
-    # gates whose events occur nowhere else, inner ones first, the top among them
-    modules: tuple[int, ...]
-    origin: dict[int, int]  # new gate, above all others -> the gate of the original tree
-
-
-def simplified(
-    events: int, gates: Sequence[Gate], top: int, known: Sequence[tuple[int, bool]], *, split: bool
-) -> Tree:
-    """Return a tree of the same value, as ``build`` takes it; unless split, of one module."""
-    below = {events + i: gate for i, gate in enumerate(gates)}
-    used = [n for n in sorted(reached(below, top)) if n in below]
-    parents = Counter(n for number in used for n in below[number].of)
-    meaning = {i: i for i in range(events)}
-    meaning.update((event, ALWAYS if sure else NEVER) for event, sure in known)
-    fresh, origin = count(events + len(gates)), dict[int, int]()
-    kept: dict[int, Gate] = {}
-    number_of: dict[Gate, int] = {}
-
-    def numbered(gate: Gate, number: int) -> int:
-        """Return the number of a gate, which may exist; one input of OR or AND is that input."""
-        if len(gate.of) == 1 and gate.type in ("OR", "AND"):
-            return gate.of[0]
-        first = number_of.setdefault(gate, number)
-        kept.setdefault(first, gate)
-        return first
-
-    def negated(node: int, number: int) -> int:
-        if node in (NEVER, ALWAYS):
-            return NEVER + ALWAYS - node
-        inner = kept.get(node)
-        is_negation = inner is not None and inner.type == "NOT"
-        return inner.of[0] if inner and is_negation else numbered(Gate("NOT", (node,)), number)
-
-    for number in used:
-        gate = below[number]
-        inputs = [meaning[n] for n in gate.of]
-        unsure = tuple(n for n in inputs if n not in (NEVER, ALWAYS))
-        sure = inputs.count(ALWAYS)
-        if gate.type == "NOT":
-            meaning[number] = negated(inputs[0], number) if inputs else NEVER
-        elif gate.type == "XOR":
-            several = len(unsure) > 1
-            odd = numbered(Gate("XOR", unsure), number) if several else (*unsure, NEVER)[0]
-            meaning[number] = odd
-            if sure % 2:  # the opposite, which is a gate of its own
-                origin[new := next(fresh)] = number
-                meaning[number] = negated(odd, new)
-        else:
-            needed = {"OR": 1, "AND": max(1, len(inputs))}.get(gate.type, gate.k) - sure
-            kind = "OR" if needed == 1 else "AND" if needed == len(unsure) else "VOTE"
-            if not 0 < needed <= len(unsure):
-                meaning[number] = ALWAYS if needed <= 0 else NEVER
-            elif kind == "VOTE":
-                meaning[number] = numbered(Gate(kind, unsure, needed), number)
-            else:
-                flat: dict[int, None] = {}
-                for n, original in zip(inputs, gate.of, strict=True):
-                    inner = kept.get(n)
-                    is_flat = inner and inner.type == kind and parents[original] == 1
-                    flat.update(dict.fromkeys(inner.of if inner and is_flat else (n,)))
-                flat = {n: None for n in flat if n >= 0}
-                meaning[number] = numbered(Gate(kind, tuple(flat)), number)
-    tree = Tree(kept, meaning[top], (meaning[top],), origin)
-    return _split(tree, fresh) if split and tree.top in kept else tree
-
-
-def reached(
-    gates: Mapping[int, Gate],
-    top: int,
-    borders: frozenset[int] = frozenset(),
-    *,
-    behind: bool = False,
-) -> list[int]:
-    """Return the numbers below the top, but not below ``borders``, in the order of the first visit.
-
-    Or, with ``behind``, each behind those that it refers to.
-    """
-    entered: dict[int, None] = {}
-    finished: dict[int, None] = {}
-    waiting = [top]
+def order(top: T, below: Mapping[T, Sequence[T]]) -> tuple[list[T], tuple[T, ...]]:
+    """Return all that the top reaches, each behind what it uses, or else a cycle, in its order."""
+    done: dict[T, None] = {}
+    path: dict[T, None] = {}
+    waiting: list[tuple[T, bool]] = [(top, False)]
     while waiting:
-        node = waiting.pop()
-        if node < 0:
-            finished[~node] = None
-        elif node not in entered:
-            entered[node] = None
-            waiting.append(~node)
-            if node in gates and (node == top or node not in borders):
-                waiting += reversed(gates[node].of)
-    return list(finished if behind else entered)
+        node, is_left = waiting.pop()
+        if is_left:
+            path.pop(node)
+            done[node] = None
+        elif node in path:
+            members = list(path)
+            return list(done), tuple(members[members.index(node) :])
+        elif node not in done:
+            path[node] = None
+            waiting.append((node, True))
+            waiting += [(n, False) for n in reversed(below.get(node, ()))]
+    return list(done), ()
 
 
-def _split(tree: Tree, fresh: count[int]) -> Tree:
-    """Find the modules; inputs of an OR or AND that only share events among each other are one."""
-    gates, origin = dict(tree.gates), dict(tree.origin)
-    borders = _modules(gates, tree.top)
-    modules: list[int] = []
-    for module in (n for n in tree.gates if n in borders):
-        gate = gates[module]
-        groups = _groups(gates, gate, borders) if gate.type in ("OR", "AND") else []
-        if len(groups) > 1:
-            of = []
-            for group in groups:
-                if len(group) > 1:
-                    origin[new := next(fresh)] = module
-                    gates[new] = Gate(gate.type, tuple(group))
-                    modules.append(new)
-                of.append(new if len(group) > 1 else group[0])
-            gates[module] = Gate(gate.type, tuple(of))
-        modules.append(module)
-    return Tree(gates, tree.top, tuple(modules), origin)
-
-
-def _groups(gates: Mapping[int, Gate], gate: Gate, borders: frozenset[int]) -> list[list[int]]:
-    """Return the inputs of a gate, those that share an event in one group."""
-    first = list(range(len(gate.of)))  # input -> an earlier one of its group, or itself
-    user: dict[int, int] = {}  # event -> the first input above it
-
-    def leader(place: int) -> int:
-        while first[place] != place:
-            first[place] = place = first[first[place]]
-        return place
-
-    for place, n in enumerate(gate.of):
-        for event in (n,) if n in borders else reached(gates, n, borders):
-            if event not in gates or event in borders:
-                early, late = sorted((leader(user.setdefault(event, place)), leader(place)))
-                first[late] = early
-    groups: dict[int, list[int]] = {}
-    for place, n in enumerate(gate.of):
-        groups.setdefault(leader(place), []).append(n)
-    return list(groups.values())
-
-
-def _modules(gates: Mapping[int, Gate], top: int) -> frozenset[int]:
-    """Return the gates whose events occur nowhere else, the top among them (Dutuit, Rauzy)."""
-    enter: dict[int, int] = {}
-    leave: dict[int, int] = {}
-    last: dict[int, int] = {}
-    waiting = [top]
-    clock = 0
-    while waiting:
-        clock += 1
-        node = waiting.pop()
-        if node < 0:
-            last[~node] = leave[~node] = clock
-            continue
-        last[node] = clock
-        if node not in enter:
-            enter[node] = clock
-            if node in gates:
-                waiting += [~node, *reversed(gates[node].of)]
-    low: dict[int, int] = {}
-    high: dict[int, int] = {}
-    modules = {top}
-    for node, gate in gates.items():
-        if node in enter:
-            low[node] = min(min(enter[b], low.get(b, enter[b])) for b in gate.of)
-            high[node] = max(max(last[b], high.get(b, 0)) for b in gate.of)
-            if len(gate.of) > 1 and enter[node] < low[node] and high[node] < leave[node]:
-                modules.add(node)
-    return frozenset(modules)
+def used_gates(events: int, gates: Sequence[Gate], top: int) -> dict[int, Gate]:
+    """Return the gates that the top reaches, by number, each behind those that it refers to."""
+    numbered = dict(enumerate(gates, events))
+    reached = order(top, {number: gate.of for number, gate in numbered.items()})[0]
+    return {number: numbered[number] for number in reached if number in numbered}
 
 
 class _TooMuchError(Exception):
@@ -213,17 +67,15 @@ def minimal_cut_sets(
     None where the tree has NOT or XOR, so that no set of events is sufficient, where a gate has
     more than ``CUT_SETS`` sets, or where more than so many are made and compared.
     """
-    used = sorted(reached({events + i: gate for i, gate in enumerate(gates)}, top))
-    if any(gates[n - events].type not in COHERENT for n in used if n >= events):
+    used = used_gates(events, gates, top)
+    if any(gate.type not in COHERENT for gate in used.values()):
         return None
-    sets_of = {n: [1 << n] for n in used if n < events}
+    sets_of = {n: [1 << n] for n in (top, *(n for gate in used.values() for n in gate.of))}
     sets_of.update((n, [0] if is_certain else []) for n, is_certain in known)
     search = _Search(work)
     try:
-        for n in used:
-            if n >= events:
-                gate = gates[n - events]
-                sets_of[n] = search.sets_of_gate(gate, [sets_of[below] for below in gate.of])
+        for n, gate in used.items():
+            sets_of[n] = search.sets_of_gate(gate, [sets_of[below] for below in gate.of])
     except _TooMuchError:
         return None
     sets = [_members(cut_set) for cut_set in sets_of[top]]

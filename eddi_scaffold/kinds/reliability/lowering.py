@@ -28,20 +28,12 @@ class Event(NamedTuple):
     place: str = ""  # fragment path of its element in the EDDI, empty where it came from none
 
 
-class Named(NamedTuple):
-    """Name and fragment path of a gate; the path is empty where there is none."""
-
-    name: str
-    place: str
-
-
 @dataclass(frozen=True)
 class FaultTree:
     """A fault tree by numbers: its diagram, or all minimal cut sets, which then give bounds."""
 
     events: tuple[Event, ...]
     gates: tuple[Gate, ...]  # those that are no events; their numbers follow those of the events
-    names: tuple[Named, ...]
     top: int
     repair: bool = False
     bounded: bool = False  # bounds by minimal cut sets are asked for
@@ -119,7 +111,6 @@ def lower_tree(name: str, tree: TreeModel) -> FaultTree:
         is_never = gate.type == "SAND"
         events.append(never if is_never else Event(key, gate.type, rates, age=tree.age))
     gates: list[Gate] = []
-    shown: list[Named] = []
     for key in names:
         if key not in number and key in tree.gates:
             gate = tree.gates[key]
@@ -127,7 +118,6 @@ def lower_tree(name: str, tree: TreeModel) -> FaultTree:
             kind = "OR" if gate.type == "NOT" and not gate.of else gate.type
             k = gate.k or 0 if kind == "VOTE" else 0
             gates.append(Gate(kind, tuple(number[below] for below in gate.of), k))
-            shown.append(Named(gate.name, gate.place.path or ""))
     limit = tree.node_limit or NODE_LIMIT
-    numbered = (tuple(events), tuple(gates), tuple(shown), number[tree.top])
+    numbered = (tuple(events), tuple(gates), number[tree.top])
     return FaultTree(*numbered, tree.repair, tree.approximate, limit)

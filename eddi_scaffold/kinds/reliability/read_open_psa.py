@@ -11,6 +11,7 @@ from typing import Any
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, line_of, select
 from eddi_scaffold.kinds.reliability import system
+from eddi_scaffold.kinds.reliability.fault_tree import order
 
 _CONNECTIVES = {"and": "AND", "or": "OR", "xor": "XOR", "not": "NOT", "atleast": "VOTE"}
 _NEGATED = {"nand": "AND", "nor": "OR", "iff": "XOR"}
@@ -179,7 +180,7 @@ class _Reader:
         for tree, keys in tops.items():
             for top in keys:
                 name = tree if len(keys) == 1 else f"{tree}/{top}"
-                reached, cycle = system.order(top, below)
+                reached, cycle = order(top, below)
                 ids = [*self.gates, *self.events] if cycle else reached[::-1]
                 content = system.FaultTree(
                     top,

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.common.units import accepted
 from eddi_scaffold.kinds import InputType, JsonValue, ModelInput
-from eddi_scaffold.kinds.reliability.fault_tree import COHERENT
+from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, order
 
 NAME = "reliability"
 MISSION_END = "mission_end"
@@ -27,7 +27,6 @@ UNITS = {
     "activation_energy": "eV",
 }
 """Units of the numbers of ready-made models, as they are kept."""
-T = TypeVar("T", bound=Hashable)
 
 
 @dataclass(frozen=True)
@@ -269,26 +268,6 @@ class ReliabilitySystem:
                 if input_.type == "bool" and input_.is_good is not None:
                     inputs[id_] = replace(input_, uses=(Use(input_.is_good),))
         return list(inputs.values())
-
-
-def order(top: T, below: Mapping[T, Sequence[T]]) -> tuple[list[T], tuple[T, ...]]:
-    """Return all that the top reaches, each behind what it uses, or else a cycle, in its order."""
-    done: dict[T, None] = {}
-    path: dict[T, None] = {}
-    waiting: list[tuple[T, bool]] = [(top, False)]
-    while waiting:
-        node, is_left = waiting.pop()
-        if is_left:
-            path.pop(node)
-            done[node] = None
-        elif node in path:
-            members = list(path)
-            return list(done), tuple(members[members.index(node) :])
-        elif node not in done:
-            path[node] = None
-            waiting.append((node, True))
-            waiting += [(n, False) for n in reversed(below.get(node, ()))]
-    return list(done), ()
 
 
 def input_id(model: str, rest: str) -> str:

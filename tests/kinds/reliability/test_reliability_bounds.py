@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability.compile import table
 from eddi_scaffold.kinds.reliability.decision_diagram import build
 from eddi_scaffold.kinds.reliability.fault_tree import Gate, minimal_cut_sets
 from eddi_scaffold.kinds.reliability.lowering import lower_tree
@@ -41,7 +40,7 @@ def test_cut_sets_bound_the_value_of_the_diagram(seed: int, q: list[float]) -> N
     diagram = build(events, gates, top)
     sets = minimal_cut_sets(events, gates, top)
     assert sets is not None
-    bounds, exact = bounds_of(sets), written.compiled(diagram).failure(q)
+    bounds, exact = bounds_of(sets), written.compiled(diagram, events).failure(q)
     assert bounds.lower(q) <= exact * (1 + 1e-12)
     assert exact <= bounds.failure(q) * (1 + 1e-12)
     assert bounds.survival(q) == pytest.approx(1 - bounds.failure(q), abs=1e-12)
@@ -141,7 +140,7 @@ def value(system: ReliabilitySystem) -> float:
 
     class Tree(LargeTree):
         names = ()
-        modules = table(diagram)  # type: ignore[assignment]
+        nodes = diagram.nodes
 
     return Tree().failure([event.values[0] for event in tree.events])
 

@@ -4,8 +4,8 @@ import eddi_runtime
 from eddi_runtime import InputSpec, reliability
 from eddi_runtime.reliability import chain, observed, tree
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 2})
-# sha256 of the lines below: db1234d8d32012efc7404d4d6c765a9f24f3a3fc99f4c7eb0dee3596323e9fc7
+eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 3})
+# sha256 of the lines below: 4764c2edddf23d484e6908101fa20511beee4a655084dc26c53c51f433bfa07a
 
 
 # Markov Rotors
@@ -61,15 +61,14 @@ class Tree1(tree.FaultTree):
             q2,  # GpsB: //@odeProductPackages.0/@failureModels.1/@causes.4
             q3,  # Link: //@odeProductPackages.0/@failureModels.1/@causes.5
         ) = q
-        n0_0 = q2  # GpsB
-        n0_1 = q1 * n0_0  # GpsA
-        q4 = n0_1  # AND NoPosition: //@odeProductPackages.0/@failureModels.1/@causes.2
-        n1_0 = q3  # Link
-        w4 = 1.0 - q4
-        n1_1 = q4 + w4 * n1_0  # AND NoPosition
+        n2 = q3  # Link
+        w2 = 1.0 - q2
+        n3 = q2 + w2 * n2  # GpsB
+        w1 = 1.0 - q1
+        n4 = q1 * n3 + w1 * n2  # GpsA
         w0 = 1.0 - q0
-        n1_2 = q0 + w0 * n1_1  # NoRotors
-        return n1_2  # OR Lost: //@odeProductPackages.0/@failureModels.1/@causes.0
+        n5 = q0 + w0 * n4  # NoRotors
+        return n5
 
     def survival(self, q):
         (
@@ -78,16 +77,15 @@ class Tree1(tree.FaultTree):
             q2,  # GpsB: //@odeProductPackages.0/@failureModels.1/@causes.4
             q3,  # Link: //@odeProductPackages.0/@failureModels.1/@causes.5
         ) = q
-        n0_0 = q2  # GpsB
-        n0_1 = q1 * n0_0  # GpsA
-        q4 = n0_1  # AND NoPosition: //@odeProductPackages.0/@failureModels.1/@causes.2
         w3 = 1.0 - q3
-        n1_0 = w3  # Link
-        w4 = 1.0 - q4
-        n1_1 = w4 * n1_0  # AND NoPosition
+        n2 = w3  # Link
+        w2 = 1.0 - q2
+        n3 = w2 * n2  # GpsB
+        w1 = 1.0 - q1
+        n4 = q1 * n3 + w1 * n2  # GpsA
         w0 = 1.0 - q0
-        n1_2 = w0 * n1_1  # NoRotors
-        return n1_2  # OR Lost: //@odeProductPackages.0/@failureModels.1/@causes.0
+        n5 = w0 * n4  # NoRotors
+        return n5
 
 
 class Monitor(reliability.Reliability):

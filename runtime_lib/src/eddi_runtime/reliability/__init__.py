@@ -4,6 +4,6 @@ from ..thresholds import Threshold
 from .component import Importance, ReliabilityResult, Rule
 from .monitor import Reliability
 
-FORMAT = 2
+FORMAT = 3
 
 __all__ = ["FORMAT", "Importance", "Reliability", "ReliabilityResult", "Rule", "Threshold"]

@@ -7,7 +7,7 @@ from typing import Sequence
 
 import numpy as np
 
-from .tree import FaultTree, Module
+from .tree import FaultTree
 
 
 class LargeTree(FaultTree):
@@ -15,7 +15,12 @@ class LargeTree(FaultTree):
 
     def __init__(self) -> None:
         super().__init__()
-        self._layers = [_layers(module) for module in self.modules]
+        self._layers = []  # each event with the place of its nodes, and what is above and below
+        start = 2
+        for event, nodes in groupby(self.nodes, key=lambda row: row[0]):
+            _, high, low = np.array(list(nodes)).T
+            self._layers.append((event, slice(start, start + len(high)), high, low))
+            start += len(high)
 
     def failure(self, q: Sequence[float]) -> float:
         return self._evaluated(q, (0.0, 1.0))
@@ -24,26 +29,11 @@ class LargeTree(FaultTree):
         return self._evaluated(q, (1.0, 0.0))
 
     def _evaluated(self, q: Sequence[float], ends: tuple[float, float]) -> float:
-        p = list(q)
-        last = len(self.modules) - 1
-        for number, (nodes, root) in enumerate(self.modules):
-            values = np.empty(len(nodes) + 2)
-            values[:2] = ends if number == last else (0.0, 1.0)
-            for variable, place, high, low in self._layers[number]:
-                chance = p[variable]
-                values[place] = chance * values[high] + (1.0 - chance) * values[low]
-            p.append(float(values[root]))
-        return p[-1]
-
-
-def _layers(module: Module) -> list[tuple[int, slice, np.ndarray, np.ndarray]]:
-    """Return each variable with the place of its nodes, and what is above and below each."""
-    layers, start = [], 2
-    for variable, nodes in groupby(module[0], key=lambda row: row[0]):
-        _, high, low = np.array(list(nodes)).T
-        layers.append((variable, slice(start, start + len(high)), high, low))
-        start += len(high)
-    return layers
+        values = np.empty(len(self.nodes) + 2)
+        values[:2] = ends
+        for event, place, high, low in self._layers:
+            values[place] = q[event] * values[high] + (1.0 - q[event]) * values[low]
+        return float(values[-1])
 
 
 class BoundedTree(FaultTree):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Callable, List, Sequence, Tuple
+from typing import TYPE_CHECKING, Callable, List, Sequence
 
 from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, hazard, sure
 
@@ -11,12 +11,6 @@ if TYPE_CHECKING:  # a tree without dynamic gates has no chain
     from .chain import Chain
 
 expm1 = math.expm1
-Module = Tuple[Tuple[Tuple[int, int, int], ...], int]
-"""Nodes (variable, high, low) of an independent part, lower ones first, and the one at the top.
-
-0 and 1 are the leaves false and true, node ``i`` has the number ``i + 2``; variables from the
-number of events on are the modules before this one.
-"""
 
 
 def weibull(age: float, ahead: float, scale: float, shape: float) -> float:
@@ -34,8 +28,9 @@ class FaultTree(Component):
     # (event that stands for a dynamic gate, chain over the orders of occurrence)
     orders: tuple[tuple[int, type[Chain]], ...] = ()
     repair = False  # an event that has happened may be undone
-    # the diagram, the top event last; empty where sums that are written out are enough
-    modules: tuple[Module, ...] = ()
+    # (event, high, low) of the diagram, lower ones first; 0 and 1 are the leaves false and true,
+    # node ``i`` has the number ``i + 2``; empty where sums that are written out are enough
+    nodes: tuple[tuple[int, int, int], ...] = ()
     # (age, horizon) -> the probability of each event, those without a formula being 0. An event
     # that is observed not to have happened counts from now on only.
     laws: Callable[[float, float], List[float]]
@@ -56,17 +51,14 @@ class FaultTree(Component):
         """
         if self.grows:  # monotone: the corners are the bounds
             return self.failure(low), self.failure(high)
-        bounds = list(zip(low, high))
-        for nodes, root in self.modules:
-            values: list[tuple[float, float]] = [(0.0, 0.0), (1.0, 1.0)]
-            for variable, up, down in nodes:
-                (up_low, up_high), (down_low, down_high) = values[up], values[down]
-                chances = bounds[variable]
-                least = min([p * up_low + (1.0 - p) * down_low for p in chances])
-                most = max([p * up_high + (1.0 - p) * down_high for p in chances])
-                values.append((least, most))
-            bounds.append(values[root])
-        return bounds[-1]
+        values: list[tuple[float, float]] = [(0.0, 0.0), (1.0, 1.0)]
+        for event, up, down in self.nodes:
+            (up_low, up_high), (down_low, down_high) = values[up], values[down]
+            chances = low[event], high[event]
+            least = min([p * up_low + (1.0 - p) * down_low for p in chances])
+            most = max([p * up_high + (1.0 - p) * down_high for p in chances])
+            values.append((least, most))
+        return values[-1]
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         low = self.laws(moment.age, moment.horizon)
