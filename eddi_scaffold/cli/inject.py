@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli.console import ExitStatus, console
-from eddi_scaffold.cli.options import Files, in_a_folder
+from eddi_scaffold.cli.options import Files
 from eddi_scaffold.cli.run import members_of, recorded
 from eddi_scaffold.common.problems import EddiError, Place, plural, problem
 
@@ -23,7 +23,7 @@ def inject(
     bag: Path | None = None,
     faults: str | None = None,
     phases: Annotated[int, typer.Option("--phases", min=1, max=1000)] = 8,
-    vectors: Annotated[Path | None, typer.Option("--vectors", callback=in_a_folder)] = None,
+    vectors: Path | None = None,
     as_json: bool = False,
 ) -> None:
     """Inject faults into a recording.
