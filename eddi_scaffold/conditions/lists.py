@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from eddi_scaffold.common.units import converted, find
-from eddi_scaffold.conditions.graph import GraphBuilder
+from eddi_scaffold.conditions.graph import At, GraphBuilder
 from eddi_scaffold.conditions.scope import NUMBER, Scope, Variable, result_of
 from eddi_scaffold.conditions.syntax import (
     File,
@@ -78,7 +78,7 @@ def reduced(
     node, options, lists = file.nodes[root], file.nodes[root].options, elements.lists
     assert options is not None
     limits = [  # those that the messages document: input, nodes of the limits
-        [elements.used[name], *(elements.variable(limit, (0, 0)) for limit in within)]
+        [elements.used[name], *(elements.variable(limit, At()) for limit in within)]
         for name in lists
         if (within := scope.variables[name].within) is not None
     ]
@@ -158,6 +158,6 @@ def _sector(
     if len(lists) != 1 or rest or not array.endswith("[*]"):
         findings.refuse("E007.scan", options.sector_at)
     for angle in _ANGLES:
-        elements.variable(f"{scan}.{angle}", (0, 0))
+        elements.variable(f"{scan}.{angle}", At())
     angles = tuple(elements.used[f"{scan}.{angle}"] for angle in _ANGLES)
     return (ends[0], ends[1]), angles

@@ -106,7 +106,6 @@ class _Parser(Cursor):
         )
 
     def _expect_end(self) -> None:
-        """Check that an expression ends here."""
         if self._token.kind == "end" or self._is_symbol(";") or self._declaration():
             return
         keyword = self._tokens[self._index - 1].keyword
@@ -234,7 +233,8 @@ class _Parser(Cursor):
         if self._took("("):
             inside = self._expression()
             self._expect(")")
-            self._nodes[inside] = replace(self._nodes[inside], start=token.start, wrapped=True)
+            more = {"start": token.start, "end": self._tokens[self._index - 1].end}
+            self._nodes[inside] = replace(self._nodes[inside], **more, wrapped=True)
             return inside
         if token.keyword == "UNKNOWN":
             self._fail("E001.literal")
@@ -312,7 +312,6 @@ class _Parser(Cursor):
         return share
 
     def _reduction(self, function: Token, argument: int) -> int:
-        """Take the options behind the list of a reduction."""
         word = function.keyword
         if word not in REDUCTIONS:
             known = ", ".join(REDUCTIONS)
@@ -357,7 +356,8 @@ class _Parser(Cursor):
             self._end_at_limit("E013.operations", token.start, MAX_NODES)
         is_list = any(self._nodes[k].is_list for k in args)
         fields = {"start": token.start, "is_list": is_list, **fields}
-        self._nodes.append(SyntaxNode(op, args, at=token.start, **fields))
+        end = self._tokens[self._index - 1].end
+        self._nodes.append(SyntaxNode(op, args, end=end, at=token.start, **fields))
         return len(self._nodes) - 1
 
     def _end_at_limit(self, case: str, at: int, limit: int) -> NoReturn:

@@ -252,7 +252,6 @@ def in_turn(drawings: Iterable[Drawing]) -> Iterator[tuple[int, Run]]:
 
 
 def _part(program: Program, number: int) -> Program:
-    """Return the program of one result."""
     result = program.results[number]
     needed = [result.operation]
     for k in needed:

@@ -42,6 +42,7 @@ class SyntaxNode:
     op: str
     args: tuple[int, ...]  # indices of the operands
     start: int  # offset of its first character, with its parenthesis
+    end: int  # offset behind its last one
     at: int  # offset of the operator or of the function's name
     text: str = ""  # name, number or truth value as written
     unit: str | None = None  # of a number

@@ -135,7 +135,6 @@ class Cursor:
         return self._token.kind == "symbol" and self._token.text == text
 
     def _took(self, symbol: str) -> bool:
-        """Go past a symbol if it is here."""
         is_here = self._is_symbol(symbol)
         self._index += is_here
         return is_here
@@ -183,7 +182,6 @@ class Cursor:
         return NumberWithUnit(sign * self._number(), self._unit(), at)
 
     def _unit(self) -> str | None:
-        """Take the unit behind a number, if there is one."""
         token, number = self._token, self._tokens[self._index - 1]
         self._refuse_compound_unit()
         if token.kind == "word" and token.text in words():
