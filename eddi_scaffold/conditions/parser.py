@@ -122,11 +122,10 @@ class _Parser(Cursor):
         return EnumDeclaration(name.name, name.at, tuple(literals))
 
     def _variable(self) -> VarDeclaration:
-        name = self._new_name("the name of a variable")
-        path = self._path_rest(name.name)
+        path = self._new_name("the name of a variable", is_path=True)
         self._expect(":")
         type_ = self._new_name("NUMBER, BOOL or the name of an ENUM")
-        variable: VarDeclaration | None = VarDeclaration(path, name.at, type_)
+        variable: VarDeclaration | None = VarDeclaration(path.name, path.at, type_)
         while variable is not None:
             declared = variable
             variable = self._option(declared)
@@ -250,7 +249,7 @@ class _Parser(Cursor):
         self._index += 1
         if self._took("("):
             return self._call(token)
-        name = self._path_rest(token.text)
+        name = self._path(token)
         return self._add("name", token, text=name, is_list=is_list_path(name))
 
     def _call(self, function: Token) -> int:

@@ -20,6 +20,7 @@ from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
 from eddi_scaffold.conditions.tokens import (
+    DECLARATIONS,
     Locate,
     TextFindings,
     comments_of,
@@ -157,11 +158,8 @@ def uses_of(program: Program) -> Mapping[str, tuple[Use, ...]]:
     return uses_of_variable
 
 
-DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
 COMMENT, FREQUENCY = "comment", "frequency"
 _LIMIT = 64 * 1024
-_WORD = re.compile(r"(?:ENUM|VAR|CONST|EVENT)\b", re.IGNORECASE)
-_TEXT = re.compile(r'"[^"]*"')
 
 
 def events_of_eddi(
@@ -177,10 +175,9 @@ def events_of_eddi(
         if extension_map.model is None or has_errors(wrong):
             continue  # a missing name is told once for all kinds
         lines = extension_map.of(*DECLARATIONS, COMMENT)
-        text = "".join(
-            f"// {value.text}\n" if value.tag == COMMENT else f"{value.tag} {value.text}\n"
-            for value in lines
-        )
+        words = {COMMENT: "//"}
+        rows = (f"{words.get(value.tag, value.tag)} {value.text}" for value in lines)
+        text = "".join(f"{' '.join(row.splitlines())}\n" for row in rows)
         rate = next((_rate(value.text) for value in extension_map.of(FREQUENCY)), None)
         placed = EddiLines(tuple((value.tag, value.place) for value in lines), extension_map.place)
         events, more = read_text(text, source.name, placed, rate)
@@ -192,15 +189,9 @@ def events_of_eddi(
 
 def _wrong_values(extension_map: ExtensionMap) -> Iterator[Problem]:
     """Yield what is wrong with values before they are one text (X031)."""
-    for value in extension_map.of(*DECLARATIONS, COMMENT):
-        if re.search(r"[\r\n]", value.text):
-            yield problem("X031.line_end", value.place, tag=value.tag)
-        elif value.tag == COMMENT:
-            continue
-        elif "//" in _TEXT.sub("", value.text):
+    for value in extension_map.of(*DECLARATIONS):
+        if "//" in re.sub('"[^"]*"', "", value.text):
             yield problem("X031.comment", value.place, tag=value.tag, comment=COMMENT)
-        elif _WORD.match(value.text):
-            yield problem("X031.keyword", value.place, tag=value.tag, word=value.text.split()[0])
     for value in extension_map.of(FREQUENCY):
         if _rate(value.text) is None:
             yield problem("X031.frequency", value.place, value=value.text)
@@ -224,11 +215,7 @@ def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[
     """
     text = events.text
     tokens = [token for token in tokens_of(text, TextFindings(in_text(text))) if token.text != ";"]
-    begins = [
-        k
-        for k, token in enumerate(tokens)
-        if token.keyword in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
-    ]
+    begins = [k for k, token in enumerate(tokens) if token.keyword in DECLARATIONS]
     if not begins or begins[0] != 0:
         raise EddiError(problem("X031.not_a_declaration", place))
     entries: list[tuple[int, str, str]] = []
