@@ -83,9 +83,8 @@ class Checker:
         line, col = self._locate(node.at)
         words = comment(self.text[node.start : node.end])
         at = At(f"{line}:{col} {words}", (line, col))
-        objection = "" if self._inside is None else self._inside.objection(node, self.scope)
-        if objection:
-            self.findings.refuse("E007.objection", node.start, reason=objection)
+        if self._inside is not None and not self._inside.allows(node, self.scope):
+            self.findings.refuse("E007.inside", node.start, word=node.text or word_of(node.op))
         if node.op == "number":
             return Value(NUMBER, node.unit, self._builder.leaf("number", float(node.text), at))
         if node.op == "truth":

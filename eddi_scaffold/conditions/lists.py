@@ -36,16 +36,15 @@ class Elements(GraphBuilder):
         """The variables that are lists."""
         return [name for name in self.used if is_list_path(name)]
 
-    def objection(self, node: SyntaxNode, scope: Scope) -> str:
-        """Return why a node cannot be here, empty when it can."""
-        if node.options is not None:
-            return "a reduction inside of a reduction: lists of lists are one list"
-        if node.op not in _ALLOWED:
-            return f"{node.op.upper()} remembers earlier steps, a list is of one message"
-        is_variable = node.text in scope.variables or not scope.knows(node.text)
-        if node.op == "name" and not is_variable and node.text not in scope.constants:
-            return f"{node.text} is not part of the message: only its fields, and constants"
-        return ""
+    def allows(self, node: SyntaxNode, scope: Scope) -> bool:
+        """Return whether a node can be here."""
+        is_outside = scope.knows(node.text) and node.text not in {
+            *scope.variables,
+            *scope.constants,
+        }
+        return (
+            node.options is None and node.op in _ALLOWED and not (node.op == "name" and is_outside)
+        )
 
     def unit(self, scope: Scope) -> str | None:
         """Return the unit of the elements, ``None`` for none or several lists."""
@@ -122,7 +121,7 @@ def reduced(
             tuple(computed),
             new[nodes[0]],
             tuple((place, new[low], new[high]) for place, low, high in limits),
-            options.coverage,
+            node.coverage,
             options.length,
             *sector,
             bool(array_of(lists[0])[1]),

@@ -99,10 +99,10 @@ class _Parser(Cursor):
                     self._index += 1
         return File(
             tuple(self._nodes),
-            tuple(entry for entry in declarations if isinstance(entry, EnumDeclaration)),
-            tuple(entry for entry in declarations if isinstance(entry, VarDeclaration)),
-            tuple(entry for entry in declarations if isinstance(entry, ConstDeclaration)),
-            tuple(entry for entry in declarations if isinstance(entry, EventDeclaration)),
+            tuple(of for of in declarations if isinstance(of, EnumDeclaration)),
+            tuple(of for of in declarations if isinstance(of, VarDeclaration)),
+            tuple(of for of in declarations if isinstance(of, ConstDeclaration)),
+            tuple(of for of in declarations if isinstance(of, EventDeclaration)),
         )
 
     def _expect_end(self) -> None:
@@ -295,19 +295,18 @@ class _Parser(Cursor):
         if self._took(","):
             if self._token.keyword != "COVERAGE":
                 self._missing("COVERAGE")
+            self._index += 1
             if word in ("TIME", "ONCE"):
-                self._fail("E005.not_here", word=word)
+                self._fail("E005.not_here", self._tokens[self._index - 1].start, word=word)
             coverage = self._coverage()
         self._expect(")")
         more = {"window": length, "window_at": at, "coverage": coverage}
         return self._add(WINDOWS[word], function, (argument,), **more)
 
     def _coverage(self) -> float:
-        word = self._take()
         number, share = self._token, self._number()
         if not 0 < share <= 1:
-            hint = f"{word.keyword} {share / 100:g}" if 10 <= share <= 100 else None  # percent
-            self._findings.add("E005.range", number.start, hint=hint)
+            self._findings.add("E005.range", number.start)
         return share
 
     def _reduction(self, function: Token, argument: int) -> int:
@@ -316,16 +315,16 @@ class _Parser(Cursor):
             known = ", ".join(REDUCTIONS)
             self._fail("E006.no_list", function.start, word=word, reductions=known)
         options, args, remaining = ReductionOptions(), [argument], [*_LIST_OPTIONS]
+        coverage = None
         while self._took(","):
             option, at = self._token.keyword, self._token.start
             if option not in remaining:
                 self._missing(" or ".join(remaining) or "')'")
             remaining.remove(option)
-            if option == "COVERAGE":
-                options = replace(options, coverage=self._coverage())
-                continue
             self._index += 1
-            if option == "SECTOR":
+            if option == "COVERAGE":
+                coverage = self._coverage()
+            elif option == "SECTOR":
                 low = self._signed()
                 self._expect("..", "'..' as in SECTOR -30 deg .. 30 deg")
                 options = replace(options, sector=(low, self._signed()), sector_at=at)
@@ -337,7 +336,7 @@ class _Parser(Cursor):
                 args.append(self._expression())
                 options = replace(options, within=True)
         self._expect(")", "',' or ')'")
-        more = {"options": options, "is_list": False}
+        more = {"options": options, "coverage": coverage, "is_list": False}
         return self._add(REDUCTIONS[word], function, tuple(args), **more)
 
     def _lengths(self) -> tuple[int, int]:

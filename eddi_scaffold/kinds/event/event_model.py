@@ -146,11 +146,11 @@ class EventModel(Model):
         events = self.data
         rate = events.rate if options.frequency is None else options.frequency
         try:
-            analysis, problems = analysed(events.text, self.source.name, events.placed, rate)
+            analysis = analysed(events.text, self.source.name, events.placed, rate)
         except EddiError as failure:
             return None, list(failure.problems)
         if analysis.program is None:
-            return None, [error for error in problems if error.level == "error"]
+            return None, [error for error in analysis.problems if error.level == "error"]
         configured = replace(self, data=replace(events, analysis=analysis, rate=rate))
         if options.frequency is None or None not in options.parts or len(analysis.events) < 2:
             return configured, []

@@ -21,7 +21,6 @@ from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
 from eddi_scaffold.conditions.tokens import (
     DECLARATIONS,
-    Locate,
     TextFindings,
     comments_of,
     in_text,
@@ -51,70 +50,41 @@ _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
 
 @dataclass(frozen=True)
-class EddiLines:
-    """Where the lines of a text stand in an EDDI."""
-
-    lines: tuple[tuple[str, Place], ...]  # tag and place of each line
-    place: Place  # of them all
-
-    def locate(self, text: str) -> Locate:
-        """Return offset -> place of the value, with the column in its text."""
-        line_and_column_of = line_and_column(text)
-
-        def place(offset: int) -> Place:
-            line, column = line_and_column_of(offset)
-            if line > len(self.lines):
-                return self.place
-            tag, place = self.lines[line - 1]
-            return replace(place, col=max(1, column - len(tag) - 1))
-
-        return place
-
-    def without_column(self, problem: Problem) -> Problem:
-        """Return a problem that names its column in the text: XML has none."""
-        tag = next((tag for tag, at in self.lines if at.path == problem.place.path), None)
-        if tag is None or problem.place.col is None:
-            return problem
-        message = f"{tag}, column {problem.place.col}: {problem.message}"
-        return replace(problem, message=message, place=replace(problem.place, col=None))
-
-
-@dataclass(frozen=True)
 class Events:
     """A file of events."""
 
     text: str = field(compare=False)  # of the file
     analysis: Analysis  # of the text, at the rate if it is known already
     rate: float  # steps per second
-    # where the lines stand, `None` in a file of events
-    placed: EddiLines | None = field(default=None, compare=False)
+    # places of the lines in an EDDI, then of them all; empty in a file of events
+    placed: Sequence[Place] = field(default=(), compare=False)
 
 
 def read_text(
-    text: str, name: str, placed: EddiLines | None = None, rate: float | None = None
+    text: str, name: str, placed: Sequence[Place] = (), rate: float | None = None
 ) -> tuple[Events | None, list[Problem]]:
     """Read a text of events, perhaps of an EDDI, with their rate without a configuration."""
-    analysis, problems = analysed(text, name, placed, None)
-    place = placed.place if placed is not None else Place(name, 1, 1)
-    problems += [
-        problem("E007.event_number", place) for event in analysis.events if event.type != "bool"
-    ]
+    analysis = analysed(text, name, placed, None)
+    place = placed[-1] if placed else Place(name, 1, 1)
+    numbers = [event for event in analysis.events if event.type != "bool"]
+    problems = [*analysis.problems, *(problem("E007.event_number", place) for _ in numbers)]
     events = Events(text, analysis, DEFAULT_RATE if rate is None else rate, placed)
     return None if has_errors(problems) else events, problems
 
 
-def analysed(
-    text: str, name: str, placed: EddiLines | None, rate: float | None
-) -> tuple[Analysis, list[Problem]]:
-    """Return the analysis of a text at a rate, or before there is one, and its problems.
+def analysed(text: str, name: str, placed: Sequence[Place], rate: float | None) -> Analysis:
+    """Return the analysis of a text at a rate, or before there is one.
 
     Raises:
         EddiError: the rate is not a positive number up to 1e9 (E005).
     """
-    locate = placed.locate(text) if placed is not None else None
-    analysis = analyse(text, rate=rate, any_rate=rate is None, name=name, locate=locate)
-    problems = list(analysis.problems)
-    return analysis, problems if placed is None else list(map(placed.without_column, problems))
+    of = line_and_column(text)
+
+    def locate(offset: int) -> Place:
+        return placed[min(of(offset)[0], len(placed)) - 1]
+
+    any_rate, in_eddi = rate is None, locate if placed else None
+    return analyse(text, rate=rate, any_rate=any_rate, name=name, locate=in_eddi)
 
 
 def commented(text: str) -> Iterator[tuple[str, str]]:
@@ -179,7 +149,7 @@ def events_of_eddi(
         rows = (f"{words.get(value.tag, value.tag)} {value.text}" for value in lines)
         text = "".join(f"{' '.join(row.splitlines())}\n" for row in rows)
         rate = next((_rate(value.text) for value in extension_map.of(FREQUENCY)), None)
-        placed = EddiLines(tuple((value.tag, value.place) for value in lines), extension_map.place)
+        placed = [*(value.place for value in lines), extension_map.place]
         events, more = read_text(text, source.name, placed, rate)
         problems += more
         if events is not None:
