@@ -28,7 +28,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
-from eddi_scaffold.conditions import analyse  # noqa: E402
+from eddi_scaffold.conditions.analysis import analyse  # noqa: E402
 from eddi_scaffold.conditions.standalone import generate  # noqa: E402
 from eddi_scaffold.program.running import Engine  # noqa: E402 - runs from the checkout
 

@@ -17,7 +17,7 @@ from eddi_scaffold.common.problems import EddiError, Problem, problem
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from eddi_scaffold.conditions import Analysis
+    from eddi_scaffold.conditions.analysis import Analysis
     from eddi_scaffold.program.standalone import StandaloneMonitor
 
 
@@ -61,7 +61,7 @@ def event(
         serve: Open the page on 127.0.0.1, with the condition.
         port: Port of the page.
     """
-    from eddi_scaffold.conditions import analyse
+    from eddi_scaffold.conditions.analysis import analyse
     from eddi_scaffold.conditions.standalone import as_json as report_json
     from eddi_scaffold.conditions.standalone import as_text, generate, monitor_model, without_limits
     from eddi_scaffold.conditions.tokens import EXPRESSION

@@ -32,7 +32,6 @@ from eddi_scaffold.conditions.tokens import (
     Locate,
     TextFindings,
     in_text,
-    line_and_column,
 )
 from eddi_scaffold.program.instructions import Program, Read, Result
 
@@ -109,7 +108,7 @@ def analyse(
     scope = build_scope(file, findings, variables, outer)
     if not has_errors(findings.problems):
         infer_types(file, scope)
-    checker = Checker(file, scope, findings, builder, line_and_column(text), any_rate=any_rate)
+    checker = Checker(file, scope, findings, builder, text, any_rate=any_rate)
     values = {event.name: checker.event(event) for event in scope.order}
     events, results = [], []
     for event in file.events:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.problems import SimilarNames, has_errors
@@ -13,9 +13,10 @@ from eddi_scaffold.conditions.graph import At, GraphBuilder, capacity
 from eddi_scaffold.conditions.lists import Elements, elements_of, reduced
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Scope, Type, arguments_of, result_of
 from eddi_scaffold.conditions.syntax import OPERATORS, EventDeclaration, File, SyntaxNode, word_of
-from eddi_scaffold.conditions.tokens import Refused, TextFindings
+from eddi_scaffold.conditions.tokens import Refused, TextFindings, line_and_column
 from eddi_scaffold.program.instructions import BUFFERED, MAX_CAPACITY
 from eddi_scaffold.program.instructions import WINDOWS as WINDOW_OPS
+from eddi_scaffold.program.python_text import comment
 
 _ORDER = ("lt", "le", "gt", "ge")
 _UNIT_OF_BOTH = ("add", "sub", "least", "greatest", "hypot")
@@ -41,13 +42,14 @@ class Checker:
     scope: Scope
     findings: TextFindings
     graph: GraphBuilder
-    locate: Callable[[int], At]
+    text: str
     any_rate: bool = False
 
     def __post_init__(self) -> None:
         self._elements = elements_of(self.file)
         self._inside: Elements | None = None
         self._events: dict[str, Value | None] = {}
+        self._locate = line_and_column(self.text)
         self._reported: set[str] = set()
         self._is_whole = not has_errors(self.findings.problems)  # no declaration is missing
         self._similar: SimilarNames | None = None
@@ -78,10 +80,11 @@ class Checker:
         return self.graph if self._inside is None else self._inside
 
     def _value(self, k: int, node: SyntaxNode, args: list[Value | None]) -> Value | None:
-        at = self.locate(node.at)
-        objection = "" if self._inside is None else self._inside.objection(node, self.scope)
-        if objection:
-            self.findings.refuse("E007.objection", node.start, reason=objection)
+        line, col = self._locate(node.at)
+        words = comment(self.text[node.start : node.end])
+        at = At(f"{line}:{col} {words}", (line, col))
+        if self._inside is not None and not self._inside.allows(node, self.scope):
+            self.findings.refuse("E007.inside", node.start, word=node.text or word_of(node.op))
         if node.op == "number":
             return Value(NUMBER, node.unit, self._builder.leaf("number", float(node.text), at))
         if node.op == "truth":
@@ -148,7 +151,6 @@ class Checker:
     # types
 
     def _check_types(self, node: SyntaxNode, args: list[Value | None]) -> None:
-        """Refuse operands of a wrong type."""
         types = [arg.type for arg in args if arg is not None]
         if node.op in ("known", "age", "eq", "ne"):
             if len(set(types)) > 1:
@@ -305,4 +307,4 @@ class Checker:
         number = None if row.value is None else converted(row.value, value.unit or "", unit)
         if number is not None and not math.isfinite(number):
             self.findings.refuse("E013.number_in_unit", start, unit=unit)
-        return Value(NUMBER, unit, self._builder.leaf("number", number, row.at))
+        return Value(NUMBER, unit, self._builder.add(row._replace(value=number)))

@@ -62,14 +62,11 @@ def open_server(
 
 
 class _Handler(Handler):
-    """Answers one connection."""
-
     read_signal: ReadSignal
     start: Page
     policy = _POLICY
 
     def get(self) -> None:
-        """Answer with the page, or its style."""
         if self.path == "/":
             self.send(HTTPStatus.OK, HTML, _render(self.start))
         elif self.path == "/style.css":
@@ -78,7 +75,6 @@ class _Handler(Handler):
             super().get()
 
     def post(self) -> None:
-        """Check or generate what was sent."""
         if self.path not in ("/check", "/generate"):
             super().post()
         body, code = self.body(), self.path == "/generate"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from eddi_scaffold.common.units import converted, find
-from eddi_scaffold.conditions.graph import GraphBuilder
+from eddi_scaffold.conditions.graph import At, GraphBuilder
 from eddi_scaffold.conditions.scope import NUMBER, Scope, Variable, result_of
 from eddi_scaffold.conditions.syntax import (
     File,
@@ -36,16 +36,15 @@ class Elements(GraphBuilder):
         """The variables that are lists."""
         return [name for name in self.used if is_list_path(name)]
 
-    def objection(self, node: SyntaxNode, scope: Scope) -> str:
-        """Return why a node cannot be here, empty when it can."""
-        if node.options is not None:
-            return "a reduction inside of a reduction: lists of lists are one list"
-        if node.op not in _ALLOWED:
-            return f"{node.op.upper()} remembers earlier steps, a list is of one message"
-        is_variable = node.text in scope.variables or not scope.knows(node.text)
-        if node.op == "name" and not is_variable and node.text not in scope.constants:
-            return f"{node.text} is not part of the message: only its fields, and constants"
-        return ""
+    def allows(self, node: SyntaxNode, scope: Scope) -> bool:
+        """Return whether a node can be here."""
+        is_outside = scope.knows(node.text) and node.text not in {
+            *scope.variables,
+            *scope.constants,
+        }
+        return (
+            node.options is None and node.op in _ALLOWED and not (node.op == "name" and is_outside)
+        )
 
     def unit(self, scope: Scope) -> str | None:
         """Return the unit of the elements, ``None`` for none or several lists."""
@@ -78,7 +77,7 @@ def reduced(
     node, options, lists = file.nodes[root], file.nodes[root].options, elements.lists
     assert options is not None
     limits = [  # those that the messages document: input, nodes of the limits
-        [elements.used[name], *(elements.variable(limit, (0, 0)) for limit in within)]
+        [elements.used[name], *(elements.variable(limit, At()) for limit in within)]
         for name in lists
         if (within := scope.variables[name].within) is not None
     ]
@@ -122,7 +121,7 @@ def reduced(
             tuple(computed),
             new[nodes[0]],
             tuple((place, new[low], new[high]) for place, low, high in limits),
-            options.coverage,
+            node.coverage,
             options.length,
             *sector,
             bool(array_of(lists[0])[1]),
@@ -158,6 +157,6 @@ def _sector(
     if len(lists) != 1 or rest or not array.endswith("[*]"):
         findings.refuse("E007.scan", options.sector_at)
     for angle in _ANGLES:
-        elements.variable(f"{scan}.{angle}", (0, 0))
+        elements.variable(f"{scan}.{angle}", At())
     angles = tuple(elements.used[f"{scan}.{angle}"] for angle in _ANGLES)
     return (ends[0], ends[1]), angles

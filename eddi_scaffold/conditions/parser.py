@@ -99,14 +99,13 @@ class _Parser(Cursor):
                     self._index += 1
         return File(
             tuple(self._nodes),
-            tuple(entry for entry in declarations if isinstance(entry, EnumDeclaration)),
-            tuple(entry for entry in declarations if isinstance(entry, VarDeclaration)),
-            tuple(entry for entry in declarations if isinstance(entry, ConstDeclaration)),
-            tuple(entry for entry in declarations if isinstance(entry, EventDeclaration)),
+            tuple(of for of in declarations if isinstance(of, EnumDeclaration)),
+            tuple(of for of in declarations if isinstance(of, VarDeclaration)),
+            tuple(of for of in declarations if isinstance(of, ConstDeclaration)),
+            tuple(of for of in declarations if isinstance(of, EventDeclaration)),
         )
 
     def _expect_end(self) -> None:
-        """Check that an expression ends here."""
         if self._token.kind == "end" or self._is_symbol(";") or self._declaration():
             return
         keyword = self._tokens[self._index - 1].keyword
@@ -123,11 +122,10 @@ class _Parser(Cursor):
         return EnumDeclaration(name.name, name.at, tuple(literals))
 
     def _variable(self) -> VarDeclaration:
-        name = self._new_name("the name of a variable")
-        path = self._path_rest(name.name)
+        path = self._new_name("the name of a variable", is_path=True)
         self._expect(":")
         type_ = self._new_name("NUMBER, BOOL or the name of an ENUM")
-        variable: VarDeclaration | None = VarDeclaration(path, name.at, type_)
+        variable: VarDeclaration | None = VarDeclaration(path.name, path.at, type_)
         while variable is not None:
             declared = variable
             variable = self._option(declared)
@@ -234,7 +232,8 @@ class _Parser(Cursor):
         if self._took("("):
             inside = self._expression()
             self._expect(")")
-            self._nodes[inside] = replace(self._nodes[inside], start=token.start, wrapped=True)
+            more = {"start": token.start, "end": self._tokens[self._index - 1].end}
+            self._nodes[inside] = replace(self._nodes[inside], **more, wrapped=True)
             return inside
         if token.keyword == "UNKNOWN":
             self._fail("E001.literal")
@@ -250,7 +249,7 @@ class _Parser(Cursor):
         self._index += 1
         if self._took("("):
             return self._call(token)
-        name = self._path_rest(token.text)
+        name = self._path(token)
         return self._add("name", token, text=name, is_list=is_list_path(name))
 
     def _call(self, function: Token) -> int:
@@ -296,38 +295,36 @@ class _Parser(Cursor):
         if self._took(","):
             if self._token.keyword != "COVERAGE":
                 self._missing("COVERAGE")
+            self._index += 1
             if word in ("TIME", "ONCE"):
-                self._fail("E005.not_here", word=word)
+                self._fail("E005.not_here", self._tokens[self._index - 1].start, word=word)
             coverage = self._coverage()
         self._expect(")")
         more = {"window": length, "window_at": at, "coverage": coverage}
         return self._add(WINDOWS[word], function, (argument,), **more)
 
     def _coverage(self) -> float:
-        word = self._take()
         number, share = self._token, self._number()
         if not 0 < share <= 1:
-            hint = f"{word.keyword} {share / 100:g}" if 10 <= share <= 100 else None  # percent
-            self._findings.add("E005.range", number.start, hint=hint)
+            self._findings.add("E005.range", number.start)
         return share
 
     def _reduction(self, function: Token, argument: int) -> int:
-        """Take the options behind the list of a reduction."""
         word = function.keyword
         if word not in REDUCTIONS:
             known = ", ".join(REDUCTIONS)
             self._fail("E006.no_list", function.start, word=word, reductions=known)
         options, args, remaining = ReductionOptions(), [argument], [*_LIST_OPTIONS]
+        coverage = None
         while self._took(","):
             option, at = self._token.keyword, self._token.start
             if option not in remaining:
                 self._missing(" or ".join(remaining) or "')'")
             remaining.remove(option)
-            if option == "COVERAGE":
-                options = replace(options, coverage=self._coverage())
-                continue
             self._index += 1
-            if option == "SECTOR":
+            if option == "COVERAGE":
+                coverage = self._coverage()
+            elif option == "SECTOR":
                 low = self._signed()
                 self._expect("..", "'..' as in SECTOR -30 deg .. 30 deg")
                 options = replace(options, sector=(low, self._signed()), sector_at=at)
@@ -339,7 +336,7 @@ class _Parser(Cursor):
                 args.append(self._expression())
                 options = replace(options, within=True)
         self._expect(")", "',' or ')'")
-        more = {"options": options, "is_list": False}
+        more = {"options": options, "coverage": coverage, "is_list": False}
         return self._add(REDUCTIONS[word], function, tuple(args), **more)
 
     def _lengths(self) -> tuple[int, int]:
@@ -357,7 +354,8 @@ class _Parser(Cursor):
             self._end_at_limit("E013.operations", token.start, MAX_NODES)
         is_list = any(self._nodes[k].is_list for k in args)
         fields = {"start": token.start, "is_list": is_list, **fields}
-        self._nodes.append(SyntaxNode(op, args, at=token.start, **fields))
+        end = self._tokens[self._index - 1].end
+        self._nodes.append(SyntaxNode(op, args, end=end, at=token.start, **fields))
         return len(self._nodes) - 1
 
     def _end_at_limit(self, case: str, at: int, limit: int) -> NoReturn:

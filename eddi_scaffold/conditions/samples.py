@@ -62,7 +62,7 @@ class Drawing:
     ) -> None:
         self.program, self.factors, self.see = _part(program, number), factors or {}, see
         self.random = random.Random(program.results[number].id).random  # noqa: S311 - always alike
-        self.missed = ""  # faults that no run shows
+        self.missed = False  # whether a fault is left that no run shows
         self.work = _MOST_WORK // len(program.results)  # that is left
         self.known: dict[str, list[Mapping[str, Any]]] = {}  # result -> values that gave it
         rows = self.program.operations
@@ -86,7 +86,7 @@ class Drawing:
         self.fillers = [n for n in (period, 2 * period) if n > most] + [self.gaps[0]]
 
     def runs(self) -> Iterator[Run]:
-        """Yield runs until each fault shows; else those ``missed`` are left."""
+        """Yield runs until each fault shows."""
         left, tries = [*self._faults()], 0
         is_long = 2 * max(self.deltas) > _MOST_STEPS * self.gaps[0]
         while left and not is_long and tries < _TRIES and self.work > 0:
@@ -102,7 +102,7 @@ class Drawing:
                 names = [name for (name, _), k in zip(left, ends, strict=True) if k < end]
                 yield Run("; ".join(dict.fromkeys(names)), given[:end], results)
                 left = [fault for fault, k in zip(left, ends, strict=True) if k >= end]
-        self.missed = "; ".join(dict.fromkeys(name for name, _ in left))
+        self.missed = bool(left)
 
     def history(self, given: Iterable[Sample]) -> History:
         """Return what happens with samples."""
@@ -252,7 +252,6 @@ def in_turn(drawings: Iterable[Drawing]) -> Iterator[tuple[int, Run]]:
 
 
 def _part(program: Program, number: int) -> Program:
-    """Return the program of one result."""
     result = program.results[number]
     needed = [result.operation]
     for k in needed:

@@ -25,7 +25,6 @@ class NumberWithUnit:
 class ReductionOptions:
     """The options after the list of a reduction."""
 
-    coverage: float | None = None  # share of known elements that is enough
     # angles of the first and the last element
     sector: tuple[NumberWithUnit, NumberWithUnit] | None = None
     length: tuple[int, int] | None = None  # least and greatest number of elements
@@ -42,13 +41,14 @@ class SyntaxNode:
     op: str
     args: tuple[int, ...]  # indices of the operands
     start: int  # offset of its first character, with its parenthesis
+    end: int  # offset behind its last one
     at: int  # offset of the operator or of the function's name
     text: str = ""  # name, number or truth value as written
     unit: str | None = None  # of a number
     wrapped: bool = False  # it has parentheses of its own
     window: int = 0  # nanoseconds of a window
     window_at: int = 0  # offset of the duration
-    coverage: float | None = None  # share of known samples that is enough
+    coverage: float | None = None  # share of known samples or elements that is enough
     is_list: bool = False  # it has one value for each element of a list
     options: ReductionOptions | None = None  # of a reduction
 
@@ -215,13 +215,12 @@ def _text(node: SyntaxNode, args: list[str]) -> str:
         return number_text(float(node.text)) + (f" {node.unit}" if node.unit else "")
     if node.op in ("truth", "name"):
         return node.text.upper() if node.op == "truth" else node.text
-    coverage = node.coverage
     if node.options is not None:
-        args, coverage = _list_arguments(node.options, args), node.options.coverage
+        args = _list_arguments(node.options, args)
     if node.window:
         args = [*args, duration_text(node.window)]
-    if coverage is not None:
-        args = [*args, f"COVERAGE {number_text(coverage)}"]
+    if node.coverage is not None:
+        args = [*args, f"COVERAGE {number_text(node.coverage)}"]
     return f"{word_of(node.op)}({', '.join(args)})"
 
 

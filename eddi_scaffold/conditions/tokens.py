@@ -18,7 +18,6 @@ Locate = Callable[[int], Place]
 """Offset in the text (0 to its length) -> place in the file that holds it."""
 EXPRESSION = "<expression>"  # name of a text that came from no file
 _MAX_FINDINGS = 100
-_MAX_INDEX_DIGITS = 6
 DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
 RESERVED = frozenset(
     {"AND", "OR", "XOR", "NOT", "IMPLIES", "TRUE", "FALSE", "UNKNOWN", "COVERAGE", *DECLARATIONS}
@@ -27,12 +26,19 @@ RESERVED = frozenset(
 _TOKEN = re.compile(
     r"""(?P<blank>[ \t\r\n\f]+|//[^\n]*)
       | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
-      | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
+      | (?P<word>[A-Za-z_]\w*(?:\.[A-Za-z_]\w*|\[(?:"[^"\r\n]*"|[^"\]\r\n])*\])*)
       | (?P<text>"[^"\r\n]+")
       | (?P<symbol>:=|==|!=|<=|>=|\.\.|[-+*/%<>(),;:.\[\]{}=])
       | (?P<other>&&|\|\||.)""",
-    re.VERBOSE | re.DOTALL,
+    re.VERBOSE | re.DOTALL | re.ASCII,
 )
+_BRACKETS = re.compile(r'\[((?:"[^"]*"|[^"\]])*)\]')
+_ELEMENT = re.compile(
+    r"""\s*(?:\*|(?P<field>(?:(?:[A-Za-z_]\w*\.)*[A-Za-z_]\w*\s*=\s*)?)
+        (?:(?P<key>[A-Za-z_]\w*|"[^"]+")|(?P<first>\d{1,6})(?:\s*\.\.\s*(?P<last>\d{1,6}))?))\s*""",
+    re.VERBOSE | re.ASCII,
+)
+"""What may stand in brackets: all elements, one by a key or an index, a part of them."""
 DURATIONS = {"ns": 1, "us": 10**3, "ms": 10**6, "s": 10**9, "min": 60 * 10**9, "h": 3600 * 10**9}
 """Unit of a duration -> nanoseconds."""
 
@@ -135,7 +141,6 @@ class Cursor:
         return self._token.kind == "symbol" and self._token.text == text
 
     def _took(self, symbol: str) -> bool:
-        """Go past a symbol if it is here."""
         is_here = self._is_symbol(symbol)
         self._index += is_here
         return is_here
@@ -159,13 +164,13 @@ class Cursor:
         opens = self._token.keyword in DECLARATIONS and self._peek().kind in ("word", "end")
         return self._token.keyword if opens else ""
 
-    def _new_name(self, what: str) -> Identifier:
+    def _new_name(self, what: str, *, is_path: bool = False) -> Identifier:
         token = self._token
-        if token.kind != "word":
+        if token.kind != "word" or not (is_path or token.text.isidentifier()):
             self._missing(what)
         if token.keyword in RESERVED:
             self._fail("E001.reserved", shown=token.shown)
-        return Identifier(self._take().text, token.start)
+        return Identifier(self._path(self._take()), token.start)
 
     def _number(self) -> float:
         """Take a number that a double can hold."""
@@ -183,7 +188,6 @@ class Cursor:
         return NumberWithUnit(sign * self._number(), self._unit(), at)
 
     def _unit(self) -> str | None:
-        """Take the unit behind a number, if there is one."""
         token, number = self._token, self._tokens[self._index - 1]
         self._refuse_compound_unit()
         if token.kind == "word" and token.text in words():
@@ -218,51 +222,22 @@ class Cursor:
         self._index += 2
         return length
 
-    def _path_rest(self, name: str) -> str:
-        while True:
-            if self._is_symbol(".") and self._peek().kind == "word":
-                name += f".{self._peek().text}"
-                self._index += 2
-            elif self._took("["):
-                name += f"[{self._element()}]"
-                self._expect("]")
-            else:
-                return name
+    def _path(self, token: Token) -> str:
+        """Return a path in its canonical form."""
 
-    def _element(self) -> str:
-        """Take the content of brackets: an index, a key, or a field and its key."""
-        field = ""
-        while self._token.kind == "word" and self._peek().text in ("=", "."):
-            field += self._take().text + self._take().text
-        if field.endswith("."):
-            self._missing("'=' and a key")
-        token = self._token
-        if token.kind in ("word", "text"):
-            key = key_text(token.text.strip('"'))
-        elif self._is_symbol("*") and not field:
-            key = "*"
-        elif _is_index(token.text):
-            key = str(int(token.text)) + self._last_of_part(int(token.text))
-        else:
-            self._fail("E001.index_or_key", shown=token.shown)
-        self._index += 1
-        return field + key
+        def element(part: re.Match[str]) -> str:
+            of = _ELEMENT.fullmatch(part[1])
+            if of is None or int(of["last"] or 10**6) < int(of["first"] or 0):
+                self._fail("E001.index_or_key", token.start + part.start(1), shown=repr(part[1]))
+            if of["key"] is None and of["first"] is None:
+                return "[*]"
+            key = str(int(of["first"])) if of["first"] else key_text(of["key"].strip('"'))
+            last = f"..{int(of['last'])}" if of["last"] else ""
+            return f"[{''.join(of['field'].split())}{key}{last}]"
 
-    def _last_of_part(self, first: int) -> str:
-        """Take the end of a part of a list, ``..5``, if there is one."""
-        last = self._peek(2)
-        if not (self._peek().text == ".." and last.text.isdigit()):
-            return ""
-        if not _is_index(last.text) or int(last.text) < first:
-            self._fail("E001.word", expected=f"an index behind {first}", shown=last.shown)
-        self._index += 2
-        return f"..{int(last.text)}"
+        return _BRACKETS.sub(element, token.text)
 
 
 def unit_hint(unit: str) -> str:
     """Return the unit that is nearest to a text, or all."""
     return did_you_mean(unit, words()) or f"units: {', '.join(sorted(words()))}"
-
-
-def _is_index(text: str) -> bool:
-    return text.isdigit() and len(text) <= _MAX_INDEX_DIGITS

@@ -119,7 +119,6 @@ class _Step:
         self.windows = {k: of for k, of in enumerate(self.operations) if of.op in _WINDOWS}
 
     def lines(self) -> Iterator[str]:
-        """Yield the lines."""
         begin = "windows" if self.windows else "state" if self.states else ""
         yield _filled(_BEGINS[begin], N=5 * self.program.period)
         for k, read in enumerate(self.program.reads):
@@ -156,7 +155,6 @@ class _Step:
                 yield f"if t - {stamp} > {read.timeout}:\n    {x} = {unknown}"
 
     def _value(self, k: int) -> str:
-        """Return the text of the value of an operation."""
         op, value = self.operations[k].op, self.operations[k].value
         if op == "variable":
             return self.names[int(value)]
@@ -165,7 +163,6 @@ class _Step:
         return str(value) if op in ("truth", "literal") else f"r{k}"
 
     def _computed(self, k: int, operation: Operation, args: Sequence[str]) -> str:
-        """Return the lines of an operation."""
         op, result = operation.op, f"r{k}"
         below = [self.operations[arg].infinite for arg in operation.args]
         texts = dict(zip("ABC", args, strict=False)) | {"R": result, "P": f"p{k}"}

@@ -29,12 +29,12 @@ from eddi_scaffold.evidence.conditions import expressions
 from eddi_scaffold.evidence.emitted import Emitted, Finding, UnprovedError
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.answers import VECTORS
-from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.compiling import from_json as facts_of
-from eddi_scaffold.monitors.config_reading import read_configs, with_types
+from eddi_scaffold.monitors.config_reading import read_configs
 from eddi_scaffold.monitors.loading import checked_models, model_for, select_models
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
-from eddi_scaffold.packages.upgrading import PackageGroup
+from eddi_scaffold.packages.upgrading import PackageGroup, rejoined
 from eddi_scaffold.program.monitor_text import Declaration
 from eddi_scaffold.program.running import module_of
 from eddi_scaffold.regions.check import list_regions
@@ -111,27 +111,20 @@ def verified(
         EddiError: the source is not found, or is another one (U005), or it cannot be used.
     """
     package, answers = group.root / folder, group.present[folder]
-    facts, config = facts_of(answers["facts"]), None
-    if text_of := answers.get("config"):
-        config = from_data(text_of, f"the configuration that {folder} remembers")
+    facts, text_of = facts_of(answers["facts"]), answers.get("config")
     read, _ = read_configs(configs)
-    newer = next((of for of in read if package_name(of.config.Model.id) == folder), None)
-    if newer is not None:  # types that came from models of the robot stay known without these
-        config = newer if config is None else with_types(newer, config.config.MessageTypes)
-    path = model or (named_model_path(newer) if newer is not None else None)
+    newer = {package_name(of.config.Model.id): of for of in read}
+    path = model or (named_model_path(newer[folder]) if folder in newer else None)
     path = path or _source(package, facts.file, facts.file_sha256)
     if read_source(path).sha256 != facts.file_sha256:
         place, sha256 = Place(str(path)), facts.file_sha256
         raise EddiError(problem("U005.other_source", place, package=folder, sha256=sha256))
-    marks = answers.get("default_guarantees") or ()
-    models = checked_models(path, marks).models
-    if config is None:
-        (source, *_) = select_models(models, facts.id, kinds()[facts.kind])
+    models = checked_models(path, answers.get("default_guarantees") or ()).models
+    if folder in newer or text_of:
+        source = model_for(newer.get(folder) or from_data(text_of, folder), models)
     else:
-        source = model_for(config, models)
-    monitor, problems = monitor_of(source, config, marks)
-    if monitor is None:
-        raise EddiError(*problems)
+        (source, *_) = select_models(models, facts.id, kinds()[facts.kind])
+    monitor, _ = rejoined({folder: answers}, {folder: source}, newer)[folder]
     code = next((name for name in answers["files"] if name.endswith("compiled.py")), "")
     file = next_to(str(package / ANSWERS_FILE), code)
     text = read_regular(file).decode("utf-8", "replace")
@@ -139,7 +132,7 @@ def verified(
     # only what is proved is executed
     tested, holds = ([], False) if findings else _tested(monitor, text, package, file.parent)
     trusted = [f"Python {platform.python_version()}", _runtime(), f"reader of {path.name}"]
-    trusted += [f"the configuration in {ANSWERS_FILE}"] if newer is None and config else []
+    trusted += [f"the configuration in {ANSWERS_FILE}"] if text_of and folder not in newer else []
     evidence = {
         "proved": ["; ".join(proved)] if proved else [],
         "tested": tested,

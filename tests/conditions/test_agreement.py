@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from eddi_scaffold.conditions import analyse
-from eddi_scaffold.conditions.analysis import Analysis
+from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.standalone import monitor_model
 from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone_python import python_module

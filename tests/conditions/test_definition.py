@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import yaml
 
-from eddi_scaffold.conditions import analyse
+from eddi_scaffold.conditions.analysis import analyse
 from eddi_scaffold.conditions.definition import History, Sample
 from eddi_scaffold.conditions.samples import Drawing
 from eddi_scaffold.program.instructions import Program

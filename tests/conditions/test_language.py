@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.conditions import Variable, analyse
+from eddi_scaffold.conditions.analysis import analyse
 from eddi_scaffold.conditions.parser import parse
-from eddi_scaffold.conditions.scope import BOOL, NUMBER
+from eddi_scaffold.conditions.scope import BOOL, NUMBER, Variable
 from eddi_scaffold.conditions.syntax import canonical
 from eddi_scaffold.program.instructions import Program
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.conditions import analyse
+from eddi_scaffold.conditions.analysis import analyse
 from eddi_scaffold.conditions.definition import aggregated, combined
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import generate

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 import yaml
 
-from eddi_scaffold.conditions import Variable, analyse
+from eddi_scaffold.conditions.analysis import analyse
 from eddi_scaffold.conditions.parser import parse
-from eddi_scaffold.conditions.scope import BOOL, NUMBER
+from eddi_scaffold.conditions.scope import BOOL, NUMBER, Variable
 from eddi_scaffold.conditions.standalone import monitor_model
 from eddi_scaffold.conditions.syntax import canonical
 from eddi_scaffold.conditions.tokens import TextFindings, in_text

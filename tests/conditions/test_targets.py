@@ -12,7 +12,7 @@ import pytest
 from hypothesis import settings
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.conditions import analyse
+from eddi_scaffold.conditions.analysis import analyse
 from eddi_scaffold.conditions.standalone import generate, monitor_model
 from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone import keep_in_folder, module_name, unique_names

@@ -263,12 +263,8 @@ def _judged(
 
 
 def _covers(covered: Range, start: float, end: float, value: float) -> bool:
-    at_end = value == end and covered.inclusive
-    return (
-        start < value < end
-        or (at_end and value >= start)
-        or (value == start and covered.start_inclusive and (value < end or at_end))
-    )
+    is_above = value >= start if covered.start_inclusive else value > start
+    return is_above and (value <= end if covered.inclusive else value < end)
 
 
 def in_unit(bound: Bound, factor: tuple[int, int] | None) -> float:

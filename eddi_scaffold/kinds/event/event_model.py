@@ -12,7 +12,6 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.conditions.lags import Lag, lags
 from eddi_scaffold.conditions.standalone import cost_line
-from eddi_scaffold.conditions.tokens import line_and_column
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.evidence.emitted import Emitted
@@ -31,7 +30,6 @@ from eddi_scaffold.kinds.event.events import (
 )
 from eddi_scaffold.kinds.event.vectors import event_vectors
 from eddi_scaffold.kinds.event.verify import verify
-from eddi_scaffold.program import instructions
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.condition_step import ConditionStep
 from eddi_scaffold.program.input_expressions import BoundInput
@@ -39,26 +37,6 @@ from eddi_scaffold.program.instructions import Program, Result
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, head_lines
 
 FORMAT = 1
-
-
-def compile_events(
-    program: instructions.Program, declaration: Declaration, units: Mapping[str, str]
-) -> CompiledMonitor:
-    """Compile configured events: what each needs as tables, the step as text."""
-    step = ConditionStep(program, declaration.inputs, units)
-    events = []
-    for result, inputs in zip(program.results, step.needs(), strict=True):
-        words = _words(program, result.operation)
-        more = {"accepts": py.literal(words)} if words else {}
-        row = [py.text_literal(result.id), str(result.hazard), py.literal(inputs)]
-        events.append(py.call("event.Event", row, **more))
-    lines = [
-        *head_lines("event.EventMonitor", declaration, {}),
-        *step.tables(),
-        *py.assignment("events", py.tuple_of(events), 4),
-        *step.reductions(),
-    ]
-    return CompiledMonitor(FORMAT, [*lines, *step.methods()])
 
 
 def _words(program: Program, root: int) -> tuple[str, ...]:
@@ -168,20 +146,16 @@ class EventModel(Model):
         events = self.data
         rate = events.rate if options.frequency is None else options.frequency
         try:
-            analysis, problems = analysed(events.text, self.source.name, events.placed, rate)
+            analysis = analysed(events.text, self.source.name, events.placed, rate)
         except EddiError as failure:
             return None, list(failure.problems)
         if analysis.program is None:
-            return None, [error for error in problems if error.level == "error"]
+            return None, [error for error in analysis.problems if error.level == "error"]
         configured = replace(self, data=replace(events, analysis=analysis, rate=rate))
         if options.frequency is None or None not in options.parts or len(analysis.events) < 2:
             return configured, []
-        # The latest message of a topic may be that of another event.
-        place = self.place
-        if events.placed is None:  # a file: the second event, the first is no mistake
-            line, column = line_and_column(events.text)(analysis.events[1].at)
-            place = replace(place, line=line, col=column)
-        return configured, [problem("W005", place, events=len(analysis.events))]
+        # the latest message of a topic may be that of another event
+        return configured, [problem("W005", self.place, events=len(analysis.events))]
 
     def inputs(self) -> Sequence[ModelInput]:
         """Return an input for each variable, in the order of their first use."""
@@ -204,7 +178,16 @@ class EventModel(Model):
         return [*lines, "", f"{self.data.rate:g} steps a second; {cost_line(self.program)}."]
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
-        return compile_events(self.program, declaration, self._units())
+        step = ConditionStep(self.program, declaration.inputs, self._units())
+        events = []
+        for result, inputs in zip(self.program.results, step.needs(), strict=True):
+            words = _words(self.program, result.operation)
+            more = {"accepts": py.literal(words)} if words else {}
+            row = [py.text_literal(result.id), str(result.hazard), py.literal(inputs)]
+            events.append(py.call("event.Event", row, **more))
+        head = head_lines("event.EventMonitor", declaration, {})
+        tables = [*step.tables(), *py.assignment("events", py.tuple_of(events), 4)]
+        return CompiledMonitor(FORMAT, [*head, *tables, *step.reductions(), *step.methods()])
 
     def _units(self) -> dict[str, str]:
         return {input_.id: input_.unit for input_ in self.inputs() if input_.unit}
@@ -213,10 +196,8 @@ class EventModel(Model):
         return event_vectors(self.program, inputs, about)
 
     def verify(self, emitted: Emitted) -> Iterator[str]:
-        return verify(self.program, self._units(), self._accepts(), emitted)
-
-    def _accepts(self) -> list[tuple[str, ...]]:
-        return [_words(self.program, result.operation) for result in self.program.results]
+        accepted = [_words(self.program, result.operation) for result in self.program.results]
+        return verify(self.program, self._units(), accepted, emitted)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the events, each with the variables that it rests on."""

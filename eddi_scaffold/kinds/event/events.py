@@ -20,7 +20,7 @@ from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
 from eddi_scaffold.conditions.tokens import (
-    Locate,
+    DECLARATIONS,
     TextFindings,
     comments_of,
     in_text,
@@ -50,70 +50,41 @@ _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
 
 @dataclass(frozen=True)
-class EddiLines:
-    """Where the lines of a text stand in an EDDI."""
-
-    lines: tuple[tuple[str, Place], ...]  # tag and place of each line
-    place: Place  # of them all
-
-    def locate(self, text: str) -> Locate:
-        """Return offset -> place of the value, with the column in its text."""
-        line_and_column_of = line_and_column(text)
-
-        def place(offset: int) -> Place:
-            line, column = line_and_column_of(offset)
-            if line > len(self.lines):
-                return self.place
-            tag, place = self.lines[line - 1]
-            return replace(place, col=max(1, column - len(tag) - 1))
-
-        return place
-
-    def without_column(self, problem: Problem) -> Problem:
-        """Return a problem that names its column in the text: XML has none."""
-        tag = next((tag for tag, at in self.lines if at.path == problem.place.path), None)
-        if tag is None or problem.place.col is None:
-            return problem
-        message = f"{tag}, column {problem.place.col}: {problem.message}"
-        return replace(problem, message=message, place=replace(problem.place, col=None))
-
-
-@dataclass(frozen=True)
 class Events:
     """A file of events."""
 
     text: str = field(compare=False)  # of the file
     analysis: Analysis  # of the text, at the rate if it is known already
     rate: float  # steps per second
-    # where the lines stand, `None` in a file of events
-    placed: EddiLines | None = field(default=None, compare=False)
+    # places of the lines in an EDDI, then of them all; empty in a file of events
+    placed: Sequence[Place] = field(default=(), compare=False)
 
 
 def read_text(
-    text: str, name: str, placed: EddiLines | None = None, rate: float | None = None
+    text: str, name: str, placed: Sequence[Place] = (), rate: float | None = None
 ) -> tuple[Events | None, list[Problem]]:
     """Read a text of events, perhaps of an EDDI, with their rate without a configuration."""
-    analysis, problems = analysed(text, name, placed, None)
-    place = placed.place if placed is not None else Place(name, 1, 1)
-    problems += [
-        problem("E007.event_number", place) for event in analysis.events if event.type != "bool"
-    ]
+    analysis = analysed(text, name, placed, None)
+    place = placed[-1] if placed else Place(name, 1, 1)
+    numbers = [event for event in analysis.events if event.type != "bool"]
+    problems = [*analysis.problems, *(problem("E007.event_number", place) for _ in numbers)]
     events = Events(text, analysis, DEFAULT_RATE if rate is None else rate, placed)
     return None if has_errors(problems) else events, problems
 
 
-def analysed(
-    text: str, name: str, placed: EddiLines | None, rate: float | None
-) -> tuple[Analysis, list[Problem]]:
-    """Return the analysis of a text at a rate, or before there is one, and its problems.
+def analysed(text: str, name: str, placed: Sequence[Place], rate: float | None) -> Analysis:
+    """Return the analysis of a text at a rate, or before there is one.
 
     Raises:
         EddiError: the rate is not a positive number up to 1e9 (E005).
     """
-    locate = placed.locate(text) if placed is not None else None
-    analysis = analyse(text, rate=rate, any_rate=rate is None, name=name, locate=locate)
-    problems = list(analysis.problems)
-    return analysis, problems if placed is None else list(map(placed.without_column, problems))
+    of = line_and_column(text)
+
+    def locate(offset: int) -> Place:
+        return placed[min(of(offset)[0], len(placed)) - 1]
+
+    any_rate, in_eddi = rate is None, locate if placed else None
+    return analyse(text, rate=rate, any_rate=any_rate, name=name, locate=in_eddi)
 
 
 def commented(text: str) -> Iterator[tuple[str, str]]:
@@ -157,11 +128,8 @@ def uses_of(program: Program) -> Mapping[str, tuple[Use, ...]]:
     return uses_of_variable
 
 
-DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
 COMMENT, FREQUENCY = "comment", "frequency"
 _LIMIT = 64 * 1024
-_WORD = re.compile(r"(?:ENUM|VAR|CONST|EVENT)\b", re.IGNORECASE)
-_TEXT = re.compile(r'"[^"]*"')
 
 
 def events_of_eddi(
@@ -177,12 +145,11 @@ def events_of_eddi(
         if extension_map.model is None or has_errors(wrong):
             continue  # a missing name is told once for all kinds
         lines = extension_map.of(*DECLARATIONS, COMMENT)
-        text = "".join(
-            f"// {value.text}\n" if value.tag == COMMENT else f"{value.tag} {value.text}\n"
-            for value in lines
-        )
+        words = {COMMENT: "//"}
+        rows = (f"{words.get(value.tag, value.tag)} {value.text}" for value in lines)
+        text = "".join(f"{' '.join(row.splitlines())}\n" for row in rows)
         rate = next((_rate(value.text) for value in extension_map.of(FREQUENCY)), None)
-        placed = EddiLines(tuple((value.tag, value.place) for value in lines), extension_map.place)
+        placed = [*(value.place for value in lines), extension_map.place]
         events, more = read_text(text, source.name, placed, rate)
         problems += more
         if events is not None:
@@ -192,15 +159,9 @@ def events_of_eddi(
 
 def _wrong_values(extension_map: ExtensionMap) -> Iterator[Problem]:
     """Yield what is wrong with values before they are one text (X031)."""
-    for value in extension_map.of(*DECLARATIONS, COMMENT):
-        if re.search(r"[\r\n]", value.text):
-            yield problem("X031.line_end", value.place, tag=value.tag)
-        elif value.tag == COMMENT:
-            continue
-        elif "//" in _TEXT.sub("", value.text):
+    for value in extension_map.of(*DECLARATIONS):
+        if "//" in re.sub('"[^"]*"', "", value.text):
             yield problem("X031.comment", value.place, tag=value.tag, comment=COMMENT)
-        elif _WORD.match(value.text):
-            yield problem("X031.keyword", value.place, tag=value.tag, word=value.text.split()[0])
     for value in extension_map.of(FREQUENCY):
         if _rate(value.text) is None:
             yield problem("X031.frequency", value.place, value=value.text)
@@ -224,11 +185,7 @@ def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[
     """
     text = events.text
     tokens = [token for token in tokens_of(text, TextFindings(in_text(text))) if token.text != ";"]
-    begins = [
-        k
-        for k, token in enumerate(tokens)
-        if token.keyword in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
-    ]
+    begins = [k for k, token in enumerate(tokens) if token.keyword in DECLARATIONS]
     if not begins or begins[0] != 0:
         raise EddiError(problem("X031.not_a_declaration", place))
     entries: list[tuple[int, str, str]] = []

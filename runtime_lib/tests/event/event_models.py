@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from eddi_scaffold.conditions.analysis import Analysis
-from eddi_scaffold.conditions.graph import program_of
+from eddi_scaffold.conditions.graph import GraphBuilder
 from eddi_scaffold.kinds.event.events import Events
 from eddi_scaffold.program.input_expressions import class_of
 from eddi_scaffold.program.instructions import BUFFERED, WINDOWS, Operation, Read, Result
@@ -23,10 +23,11 @@ def form(*outputs, variables=("x", "y", "a", "b"), period=SECOND, **said):
         period: nanoseconds.
         said: variable -> further fields of what is read.
     """
-    rows = []
+    builder = GraphBuilder(period)
+    rows = builder.operations
 
     def add(op, *args, **more):
-        rows.append(Operation(op, args, "", at=(1, 1), **more))
+        rows.append(Operation(op, args, "", about=f"1:1 {op}", at=(1, 1), **more))
         return len(rows) - 1
 
     def made(term):
@@ -52,7 +53,7 @@ def form(*outputs, variables=("x", "y", "a", "b"), period=SECOND, **said):
         type_ = "bool" if name in "abc" else "enum" if name == "m" else "number"
         read = Read(name, type_, literals=("P", "Q") if type_ == "enum" else ())
         reads.append(read._replace(**said.get(name, {})))
-    return program_of(period, reads, rows, results)
+    return builder.program(reads, results)
 
 
 def events(program, inputs, name="Test"):

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.conditions import analyse
+from eddi_scaffold.conditions.analysis import analyse
 from runtime_lib.tests import conserts
 from runtime_lib.tests.bound_models import bound_input
 from runtime_lib.tests.event.event_models import SECOND, events, form, monitor

@@ -5,7 +5,7 @@ from eddi_runtime import InputSpec, event, expressions
 from eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: 44c4082b504de08ea08127a29a7dbd37b0333f16aaf3be84688725c7885bb13f
+# sha256 of the lines below: 8bc023cc0f19d573914a7a76e0dd9151f1846fe0293731ed974b3197f04c627b
 INF = float("inf")
 NAN = float("nan")
 
@@ -25,9 +25,9 @@ class Monitor(event.EventMonitor):
 
     def __init__(self):
         self.windows = (
-            stacks.Average(2000000000, 1900000000, 64),  # 7:5 AVERAGE(temp, 2 s)
-            hold.Hold(2000000000, 1900000000, 2),  # 8:13 ONCE(temp > 80, 2 s)
-            hold.Hold(1000000000, 900000000, 0),  # 9:9 TIME(current < 12, 1 s)
+            stacks.Average(2000000000, 1900000000, 64),  # 7:5 AVERAGE(temp, 2s)
+            hold.Hold(2000000000, 1900000000, 2),  # 8:13 ONCE(temp > 80 degC, 2s)
+            hold.Hold(1000000000, 900000000, 0),  # 9:9 TIME(current < 12 A, 1s)
         )
         self.w1 = self.windows[0].push
         self.w6 = self.windows[1].push
@@ -74,15 +74,15 @@ class Monitor(event.EventMonitor):
             current_stamp = t
         if t - current_stamp > 500000000:
             current = NAN
-        r1 = self.w1(t, age, temp)  # 7:5 AVERAGE(temp, 2 s)
-        r3 = 2 if r1 < 70.0 else 0 if r1 >= 70.0 else 1  # 7:23 AVERAGE(temp, 2 s) < 70
-        r5 = 2 if temp > 80.0 else 0 if temp <= 80.0 else 1  # 8:23 temp > 80
-        r6 = self.w6(t, age, r5)  # 8:13 ONCE(temp > 80, 2 s)
-        r7 = 2 - r6  # 8:9 NOT ONCE(temp > 80, 2 s)
-        r8 = r3 if r3 < r7 else r7  # 8:5 (AVERAGE(temp, 2 s) < 70) AND NOT ONCE(temp > 80, 2 s)
-        r11 = 2 if current < 12.0 else 0 if current >= 12.0 else 1  # 9:22 current < 12
-        r12 = self.w12(t, age, r11)  # 9:9 TIME(current < 12, 1 s)
-        r13 = r8 if r8 < r12 else r12  # 9:5 ((AVERAGE(temp, 2 s) < 70) AND NOT ONCE(temp > 80, 2 s)) AND TIME(c...
+        r1 = self.w1(t, age, temp)  # 7:5 AVERAGE(temp, 2s)
+        r3 = 2 if r1 < 70.0 else 0 if r1 >= 70.0 else 1  # 7:23 AVERAGE(temp, 2s) < 70 degC
+        r5 = 2 if temp > 80.0 else 0 if temp <= 80.0 else 1  # 8:23 temp > 80 degC
+        r6 = self.w6(t, age, r5)  # 8:13 ONCE(temp > 80 degC, 2s)
+        r7 = 2 - r6  # 8:9 NOT ONCE(temp > 80 degC, 2s)
+        r8 = r3 if r3 < r7 else r7  # 8:5 AVERAGE(temp, 2s) < 70 degC AND NOT ONCE(temp > 80 degC, 2s)
+        r11 = 2 if current < 12.0 else 0 if current >= 12.0 else 1  # 9:22 current < 12 A
+        r12 = self.w12(t, age, r11)  # 9:9 TIME(current < 12 A, 1s)
+        r13 = r8 if r8 < r12 else r12  # 9:5 AVERAGE(temp, 2s) < 70 degC AND NOT ONCE(temp > 80 degC, 2s) AND TI...
         outputs = (r13,)
         self.outputs = outputs
         return outputs

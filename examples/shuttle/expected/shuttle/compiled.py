@@ -5,7 +5,7 @@ from eddi_runtime import InputSpec, state_machine, expressions
 from eddi_runtime.expressions import hold
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, state_machine: 1, expressions: 3})
-# sha256 of the lines below: f882932fad9ba49bdece9d37b9c362334b875b71efc240ca32b9cef81975fdaa
+# sha256 of the lines below: 67e82dec9ac8075b35d3c0edc4b4ffd67ee5e42ce3bb5d8a84c4611256dee89e
 INF = float("inf")
 NAN = float("nan")
 
@@ -102,7 +102,7 @@ class Monitor(state_machine.StateMachineMonitor):
         r3 = self.w3(t, age, r2)  # 1:1 ONCE(dirt > 0.3, 2 s)
         r6 = 2 if charge < 0.2 else 0 if charge >= 0.2 else 1  # 1:8 charge < 0.2
         r11 = 2 if dirt < 0.1 else 0 if dirt >= 0.1 else 1  # 1:18 dirt < 0.1
-        r12 = cleaned if cleaned < r11 else r11  # 1:9 cleaned AND (dirt < 0.1)
+        r12 = cleaned if cleaned < r11 else r11  # 1:9 cleaned AND dirt < 0.1
         outputs = (r3, r6, drive_fault, r12)
         self.outputs = outputs
         return outputs
