@@ -84,8 +84,10 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     uses = dict(_uses(old.config))
     methods = [method for module in model.editable_modules() for method in module.methods]
     nodes = {method.name.removeprefix("node_"): method.about for method in methods}
-    observed = [nodes[node] for node, (sets, _) in uses.items() if sets and node in nodes]
-    options = {**by_class, **({"observed": observed} if observed else {})}
+    options: dict[str, JsonValue] = {**by_class}
+    for k, key in enumerate(("observed", "outputs")):
+        if named := [nodes[node] for node, holds in uses.items() if holds[k] and node in nodes]:
+            options[key] = named
     notes: list[str] = []
     bodies: list[Body] = []
     rejects: dict[str, str] = {}
