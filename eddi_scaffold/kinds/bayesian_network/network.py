@@ -7,16 +7,14 @@ Source: SESAME D7.2 section 3.2; Pearl, "Probabilistic Reasoning in Intelligent 
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 import unicodedata
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from heapq import heappop, heappush
 from typing import NamedTuple
 
-from eddi_scaffold.common.graphs import reached, reversed_graph
+from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place
 
@@ -55,45 +53,6 @@ class Network:
     def names(self) -> list[str]:
         """Return the ids in the order of the file."""
         return [node.id for node in self.nodes]
-
-    def children(self) -> dict[str, tuple[str, ...]]:
-        """Return node -> nodes that it is a parent of."""
-        return reversed_graph({node.id: node.parents for node in self.nodes})
-
-    def attained(self, name: str, states: Collection[str], given: Sequence[str]) -> list[float]:
-        """Return the probabilities of some states of a node, for all states of others.
-
-        They are the sums over the joint probabilities of all nodes that matter.
-        """
-        parents = {node.id: node.parents for node in self.nodes}
-        nodes = [self.node(id_) for id_ in sorted(reached(parents, [name, *given]))]
-        sums: dict[tuple[str, ...], list[float]] = {}
-        for case in itertools.product(*(node.states for node in nodes)):
-            state, p = dict(zip((node.id for node in nodes), case, strict=True)), 1.0
-            for node in nodes:
-                row = 0
-                for of in (*map(self.node, node.parents), node):
-                    row = row * len(of.states) + of.states.index(state[of.id])
-                p *= node.table[row]
-            both = sums.setdefault(tuple(state[id_] for id_ in given), [0.0, 0.0])
-            both[0] += p if state[name] in states else 0.0
-            both[1] += p
-        return [part / total for part, total in sums.values() if total > 0]
-
-    def in_order(self) -> list[Node]:
-        """Return the nodes, parents first; the order of the file wherever it allows that."""
-        index = {node.id: k for k, node in enumerate(self.nodes)}
-        missing = [len(node.parents) for node in self.nodes]
-        ready = [k for k, count in enumerate(missing) if not count]
-        children = self.children()
-        ordered: list[Node] = []
-        while ready:
-            ordered.append(self.nodes[heappop(ready)])
-            for child in children[ordered[-1].id]:
-                missing[index[child]] -= 1
-                if not missing[index[child]]:
-                    heappush(ready, index[child])
-        return ordered
 
 
 @dataclass(frozen=True)

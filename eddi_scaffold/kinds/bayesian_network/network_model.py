@@ -276,7 +276,17 @@ class NetworkModel(kinds.Model):
         priors = any(of.policy == "prior" for of in readers.values())
         if priors or not readers.keys() >= {*given} or sizes > _MOST_CASES:
             return True
-        attained = self.data.attained(threshold.node, threshold.states, given)
+        from eddi_scaffold.kinds.bayesian_network.elimination import (  # noqa: PLC0415 - needs numpy
+            factors_of,
+            summed,
+        )
+
+        names = self.data.names()
+        joint = summed(factors_of(self.data), [*map(names.index, [*given, threshold.node])])
+        states = self.data.node(threshold.node).states
+        part = joint[..., [*map(states.index, threshold.states)]].sum(-1)
+        possible = (whole := joint.sum(-1)) > 0.0
+        attained = (part[possible] / whole[possible]).tolist()
         return any(min(limits) <= p <= max(limits) and p != threshold.limit for p in attained)
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:

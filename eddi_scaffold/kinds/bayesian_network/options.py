@@ -244,8 +244,8 @@ def read_options(
     observed = tuple(name for name in names if name in {*declared, *direct, *named})
     outputs = [name for name in names if name in values.get("outputs", ())]
     if not outputs:  # those that the file marks, else leaves that nobody observes
-        children = network.children()
-        leaves = [name for name in names if not children[name]]
+        parents = {parent for node in network.nodes for parent in node.parents}
+        leaves = [name for name in names if name not in parents]
         unseen = [name for name in leaves if name not in observed]
         outputs = [node.id for node in network.nodes if node.target] or unseen or leaves
     inputs = _inputs(network, options, declarations, direct, has_thresholds=bool(thresholds))
