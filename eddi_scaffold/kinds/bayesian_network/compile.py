@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from eddi_runtime.bayesian_network.readers import Declaration as Declared
 
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
-from eddi_scaffold.kinds.bayesian_network.inference_plan import Part, foreseen
+from eddi_scaffold.kinds.bayesian_network.inference_plan import Part, parts_of
 from eddi_scaffold.kinds.bayesian_network.joint_tables import priors_of
 from eddi_scaffold.kinds.bayesian_network.message_passing import Edge
 from eddi_scaffold.kinds.bayesian_network.network import Network, NumberedNetwork, bits, numbered
@@ -38,14 +38,14 @@ def compile_network(
     network: Network, options: NetworkOptions, declaration: Declaration
 ) -> CompiledMonitor:
     """Return the compiled monitor of a network that is not too wide for its options."""
-    number_of = {name: k for k, name in enumerate(network.names())}
-    outputs = [number_of[node] for node in options.inferred]
-    observed = [number_of[node] for node in options.observable]
-    by_number = numbered(network)
-    program = foreseen(by_number, outputs, observed)
-    module = _Module(by_number, program.observable)
-    names = tuple(f"part_{k}" for k in range(len(program.parts)))
-    for part, name in zip(program.parts, names, strict=True):
+    node_names, by_number = network.names(), numbered(network)
+    outputs, observable, given = (
+        tuple(k for k, name in enumerate(node_names) if name in group)
+        for group in (options.inferred, options.observable, options.outputs)
+    )
+    module = _Module(by_number, observable)
+    parts = {f"part_{k}": of for k, of in enumerate(parts_of(by_number, outputs, observable))}
+    for name, part in parts.items():
         module.add(part, name)
     bases = ["explain.Explaining"] if options.explain else []
     bases += ["claims.ThresholdMonitor"] if options.thresholds else []
@@ -54,18 +54,17 @@ def compile_network(
         fields = [py.text_literal(node.id), py.literal(node.states), py.text_literal(attribute)]
         above = f"{k} {py.comment(node.place.path or '')}".rstrip()
         specs.append(py.Item(py.call(f"{_ROOM}.NodeSpec", fields), above=above))
-    given = tuple(k for k, name in enumerate(network.names()) if name in options.outputs)
-    fields_of_program: dict[str, py.Part] = {
-        "outputs": py.literal(program.outputs),
-        "observable": py.literal(program.observable),
-        "parts": py.tuple_of(names),
+    program: dict[str, py.Part] = {
+        "outputs": py.literal(outputs),
+        "observable": py.literal(observable),
+        "parts": py.tuple_of(parts),
     }
     lines = [
         *module.lines(),
         *head_lines(", ".join(bases) or f"{_ROOM}.BayesianNetworkMonitor", declaration, {}),
         *py.assignment("nodes", py.tuple_of(specs), 4),
         *py.assignment("given", py.literal(given), 4),
-        *py.assignment("foreseen", py.call(f"{_ROOM}.Program", [], **fields_of_program), 4),
+        *py.assignment("foreseen", py.call(f"{_ROOM}.Program", [], **program), 4),
     ]
     if options.thresholds:
         thresholds = []
@@ -76,7 +75,7 @@ def compile_network(
             hold_ns = str(round(threshold.hold * 1e9))
             claim = py.call("claims.Threshold", [py.text_literal(threshold.id), *limits, hold_ns])
             summed = py.literal(tuple(states.index(state) for state in threshold.states))
-            number = str(network.names().index(threshold.node))
+            number = str(node_names.index(threshold.node))
             fields = [number, summed, str(threshold.at_least), claim]
             thresholds.append(py.call("claims.StateThreshold", fields))
         lines += py.assignment("thresholds", py.tuple_of(thresholds), 4)

@@ -6,7 +6,7 @@ Small parts of a network become tables, the others messages along a join tree.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -65,18 +65,10 @@ class Part(NamedTuple):
     least: int  # lower bound of the exponent of any product of its non-zero probabilities
 
 
-class Program(NamedTuple):
-    """Inference for some outputs and observable nodes."""
-
-    outputs: tuple[int, ...]  # nodes whose posteriors can be asked for, ascending
-    observable: tuple[int, ...]  # nodes that may be observed, ascending
-    parts: tuple[Part, ...]  # all that can matter
-
-
-def foreseen(
-    network: NumberedNetwork, outputs: Sequence[int], observable: Sequence[int]
-) -> Program:
-    """Return the inference for nodes that are known beforehand, by number.
+def parts_of(
+    network: NumberedNetwork, outputs: Collection[int], observable: Collection[int]
+) -> list[Part]:
+    """Return the inference for some nodes, by number.
 
     Parts without outputs that are always possible are left out.
     """
@@ -91,4 +83,4 @@ def foreseen(
         if least > _LEAST_EXPONENT and fits(plan.program, network):
             tables = JointTables(network, plan).tables()
         parts.append(Part(plan, tables, least))
-    return Program(tuple(sorted({*outputs})), tuple(sorted({*observable})), tuple(parts))
+    return parts
