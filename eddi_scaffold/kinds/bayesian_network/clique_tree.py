@@ -15,14 +15,14 @@ from __future__ import annotations
 
 import heapq
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from itertools import islice
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.network import Component, Shape, bits, mask_of, size_of
 
-TABLE, EVIDENCE, UNIT = "table", "evidence", "unit"
+TABLE, EVIDENCE, PRIOR, UNIT = "table", "evidence", "prior", "unit"
 _SMALL = 64  # Entries up to which two constant tables are joined in advance in any case
 _TRIALS = 8  # 50 find trees with 20 % fewer operations, in six times the time
 _LEAVES_IN_ALL_TRIALS = 1_200  # A large network gets fewer trials
@@ -37,8 +37,8 @@ _GAINS = (256, 77)
 class Leaf(NamedTuple):
     """A leaf of the tree."""
 
-    # `table`: the probabilities of a node; `evidence`: what was seen of it, with its prior if it is
-    # a root that is no output; `unit`: the place of an output
+    # `table`: the probabilities of a node; `evidence`: what was seen of it; `prior`: of a root that
+    # is no output, with its prior, which then cancels exactly; `unit`: the place of an output
     kind: str
     node: int  # number of the node
     mask: int  # the nodes that it has an axis for
@@ -53,26 +53,20 @@ class Tree(NamedTuple):
     top: tuple[int, int]  # the two numbers that the last edge connects
 
 
-def find_tree(shape: Shape, part: Component, cost: Callable[[Tree], int]) -> Tree:
-    """Return the tree of the smallest cost of some trials."""
-    own = list[Leaf]()
-    for node in part.nodes:
-        # The prior of an observable root goes with its evidence, so that it cancels exactly when
-        # the node is observed.
-        if node in part.outputs or node not in part.inputs or shape.parents[node]:
-            own.append(Leaf(TABLE, node, mask_of(shape.family(node))))
-    own += [Leaf(EVIDENCE, node, 1 << node) for node in part.inputs]
+def trees_of(shape: Shape, part: Component) -> Iterator[Tree]:
+    """Yield the trees of some trials."""
+    priors = [k for k in part.inputs if not shape.parents[k] and k not in part.outputs]
+    own = [Leaf(TABLE, k, mask_of(shape.family(k))) for k in part.nodes if k not in priors]
+    own += [Leaf(PRIOR if k in priors else EVIDENCE, k, 1 << k) for k in part.inputs]
     own += [Leaf(UNIT, node, 1 << node) for node in part.outputs if node not in part.inputs]
     leaves = tuple(own)
-    trees = []
     for trial in range(max(1, min(_TRIALS, _LEAVES_IN_ALL_TRIALS // len(leaves)))):
         weight = random.Random(trial).random if trial else lambda: 0.5  # noqa: S311 - no secret
         search = _Search(leaves, shape.cards, _GAINS[trial % 2], weight)
         search.join_pairs(constants_only=True)
         while len(search.active) > 2:  # once, unless there are more partners than are compared
             search.join_pairs(constants_only=False)
-        trees.append(search.tree())
-    return min(trees, key=cost)  # the first of equals
+        yield search.tree()
 
 
 class _Search:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from eddi_runtime.bayesian_network.readers import Declaration as Declared
 
-from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
+from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE
 from eddi_scaffold.kinds.bayesian_network.inference_plan import Part, parts_of
 from eddi_scaffold.kinds.bayesian_network.joint_tables import priors_of
 from eddi_scaffold.kinds.bayesian_network.message_passing import Edge
@@ -204,21 +204,16 @@ class _Module:
         plan = part.plan
         self._used.update(plan.part.nodes)
         number_of: dict[Edge, int] = {}
-        priors = priors_of(self._network, plan)
         rows: list[py.Item] = []
         for edge, message in plan.program.messages.items():
             if (same := plan.program.alias_of(message)) is not None:
                 number_of[edge] = number_of[same]
                 continue
             parts = tuple(sorted(number_of[of] for of in message.parts))
-            kind = message.kind or "product"
-            if message.leaf >= 0:
-                node = plan.tree.leaves[message.leaf].node
-                parts = (node,) if kind == TABLE else ()
-                kind = "prior" if kind == EVIDENCE and node in priors else kind
+            parts = (message.node,) if message.kind == TABLE else parts
             is_known = not message.inputs or edge in plan.program.tabulated
             nodes, inputs = tuple(bits(message.mask)), tuple(bits(message.inputs))
-            row = py.literal((kind, parts, nodes, inputs if is_known else (), is_known))
+            row = py.literal((message.kind, parts, nodes, inputs if is_known else (), is_known))
             number_of[edge] = len(rows)
             rows.append(py.Item(row, behind=f"{len(rows)} {self._comment(nodes)}"))
         self._write("Kind, parts, nodes, inputs, known.", f"{name}_messages", py.tuple_of(rows))

@@ -11,7 +11,7 @@ from functools import reduce
 from operator import add
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
+from eddi_scaffold.kinds.bayesian_network.clique_tree import PRIOR, TABLE, UNIT
 from eddi_scaffold.kinds.bayesian_network.message_passing import (
     Edge,
     Message,
@@ -50,8 +50,9 @@ def fits(program: MessageProgram, network: NumberedNetwork) -> bool:
 
 def priors_of(network: NumberedNetwork, plan: Plan) -> dict[int, tuple[float, ...]]:
     """Return input -> its prior, where that goes with its evidence and not with the tables."""
-    in_tables = {leaf.node for leaf in plan.tree.leaves if leaf.kind == TABLE}
-    return {node: network.tables[node] for node in plan.part.inputs if node not in in_tables}
+    messages = plan.program.messages.values()
+    nodes = sorted(message.node for message in messages if message.kind == PRIOR)
+    return {node: network.tables[node] for node in nodes}
 
 
 class _Factor(NamedTuple):
@@ -89,11 +90,10 @@ class JointTables:
         return tuple(tables)
 
     def _leaf(self, message: Message) -> _Factor:
-        leaf = self._plan.tree.leaves[message.leaf]
-        node, card = leaf.node, self._cards[leaf.node]
-        if leaf.kind == TABLE:
+        node, card = message.node, self._cards[message.node]
+        if message.kind == TABLE:
             return _Factor(self._network.shape.family(node), list(self._network.tables[node]))
-        if leaf.kind != EVIDENCE:
+        if message.kind == UNIT:
             return _Factor((node,), [1.0] * card)
         prior = self._priors.get(node, (1.0,) * card)
         observed = [

@@ -11,7 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE, UNIT, Tree, find_tree
+from eddi_scaffold.kinds.bayesian_network.clique_tree import (
+    EVIDENCE,
+    PRIOR,
+    TABLE,
+    UNIT,
+    Tree,
+    trees_of,
+)
 from eddi_scaffold.kinds.bayesian_network.network import Component, Shape, size_of
 
 Edge = tuple[int, int]  # (from, to): numbers of a tree
@@ -36,8 +43,8 @@ class Message(NamedTuple):
     mask: int  # the nodes it has an axis for
     inputs: int  # observable nodes that it depends on
     parts: tuple[Edge, ...]  # the messages it is the product of; empty for a leaf
-    leaf: int  # number of the leaf, -1 for a product
-    kind: str  # of the leaf, empty for a product
+    kind: str  # of the leaf, or `product`
+    node: int  # of the leaf, -1 for a product
 
 
 class MessageProgram(NamedTuple):
@@ -87,21 +94,16 @@ class Plan(NamedTuple):
     """How one part of a network is inferred; symbols only."""
 
     part: Component
-    tree: Tree
     program: MessageProgram
 
 
 def plan_of(shape: Shape, part: Component) -> Plan:
     """Return the cheapest plan that was found for a part."""
-
-    def price(tree: Tree) -> int:
-        return make_program(tree, part, shape.cards).cost(shape.cards)
-
-    tree = find_tree(shape, part, price)
-    return Plan(part, tree, make_program(tree, part, shape.cards))
+    programs = [_program(tree, part, shape.cards) for tree in trees_of(shape, part)]
+    return Plan(part, min(programs, key=lambda of: of.cost(shape.cards)))  # the first of equals
 
 
-def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> MessageProgram:
+def _program(tree: Tree, part: Component, cards: Sequence[int]) -> MessageProgram:
     """Return all messages that the outputs of a part need."""
     neighbours: list[list[int]] = [[] for _ in tree.masks]
     edges = [(n, below) for n, pair in enumerate(tree.joins, len(tree.leaves)) for below in pair]
@@ -153,12 +155,12 @@ def _messages(
         # A join has a higher number than what it joins; over the top edge both masks are equal.
         mask = tree.masks[min(edge)]
         if is_leaf:
-            leaf = tree.leaves[source]
-            inputs = leaf.mask if leaf.kind == EVIDENCE else 0
-            messages[edge] = Message(edge, mask, inputs, (), source, leaf.kind)
+            kind, node, own = tree.leaves[source]
+            inputs = own if kind in (EVIDENCE, PRIOR) else 0
+            messages[edge] = Message(edge, mask, inputs, (), kind, node)
         else:
             inputs = 0
             for part in parts:
                 inputs |= messages[part].inputs
-            messages[edge] = Message(edge, mask, inputs, parts, -1, "")
+            messages[edge] = Message(edge, mask, inputs, parts, "product", -1)
     return messages
