@@ -335,7 +335,7 @@ def _inputs(
 
 def _warnings(network: Network, settings: NetworkOptions, options: Options) -> Iterator[Problem]:
     """Yield what is too wide (B301), and evidence that is of little use (B305, B425)."""
-    width, observed = settings.width, settings.observed
+    width, observed = settings.width, settings.observable
     if width.largest > LARGE:
         yield problem(
             "B301.too_large" if width.too_large else "B301.large",
