@@ -142,7 +142,7 @@ def shell(command: str, folder: Path, given: str = "") -> str:
 
 
 INNER = {
-    *("engine_for", "judge", "look", "published", "read", "reduce"),
+    *("judge", "look", "published", "read", "reduce"),
     *("restart", "sources", "stamp", "step"),
 }
 """What compiled text or another module of the runtime calls, not people."""

@@ -209,7 +209,9 @@ def test_thresholds_of_a_network():
     networks.step(one, d=1.8, human="no")
     (cause,) = one.why()["Low"].causes
     assert (cause.path, cause.text) == (("Near",), "may be yes or no after a gap")
-    one = networks.risk(threshold(at_most=0.1), direct={"Near": "near"}, hooks=networks.Made())
+    one = networks.risk(
+        threshold(at_most=0.1), direct={"Near": "near"}, observed=["Human"], hooks=networks.Made()
+    )
     networks.step(one, near="no")
     bounds = "(Risk=High 0.05 .. 0.2, limit 0.1)"
     assert sentences(one)["Low"] == f"Low <- Human: not observed {bounds}"

@@ -46,6 +46,7 @@ def test_every_body_is_in_its_method(old: Path, monkeypatch: pytest.MonkeyPatch)
         "id": "PedestrianRisk",
         "type": "BayesianNetwork",
         "observed": ["AV_Shuttle_Speed", "Distance_to_Pedestrian"],
+        "outputs": ["Critical"],
         "model": "PedestrianRisk.xdsl",
     }
     path = package / "bayesian_network_config.py"  # it gives the old answers

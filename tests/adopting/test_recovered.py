@@ -42,6 +42,7 @@ def test_the_package_keeps_its_name_or_gets_another(tmp_path: Path) -> None:
         "type": "BayesianNetwork",
         "frequency": 0.2,
         "observed": ["Density", "Distance", "Heat", "Fire"],
+        "outputs": ["Harm"],
         "model": "harm_risk.xdsl",
     }
 

@@ -15,12 +15,10 @@ from eddi_scaffold.kinds.bayesian_network import network
 
 LARGEST = 1_000_000
 """Entries of a table that a reader fills: it doubles with each parent of two states."""
-TOLERANCE = 1e-5  # A row may be off by so much: libraries write probabilities with six digits
+TOLERANCE = 1e-3  # A row may be off by so much: of four states, with three digits each
 _ROUNDING = 1e-12
 _NORMALISED = 2.0**-51
 """A row that was divided by its sum may be off by so much: it is not divided again."""
-_MOST_BY_ROUNDING = 1e-3
-"""Of numbers with three digits or more: with fewer, rounding hides real faults."""
 _SHOWN = 4
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 
@@ -189,18 +187,10 @@ class _TableReader:
             values = [min(max(number, 0.0), 1.0) for number in numbers]
             total = math.fsum(values)
             off = max(abs(total - 1.0), -min(numbers), max(numbers) - 1.0)
-            most = TOLERANCE
-            if off > TOLERANCE + _ROUNDING:  # numbers with so few digits may be off by more
-                parts = [text.lower().partition("e")[::2] for text in texts]
-                digits = [(len(mantissa.partition(".")[2]), power) for mantissa, power in parts]
-                plain = max((n for n, power in digits if not power), default=0)
-                decimals = [max(n - int(power[:6]), 0) if power else plain for n, power in digits]
-                by_rounding = sum(0.5 * 10.0**-n for n in decimals)
-                most = max(min(by_rounding, _MOST_BY_ROUNDING), TOLERANCE)
-            if off > most + _ROUNDING:
+            if off > TOLERANCE + _ROUNDING:
                 row_of = f"the row {case} of {draft.id!r} sums"
                 what = row_of if case else f"the probabilities of {draft.id!r} sum"
-                self._report("B113.sum", place, subject=what, total=total, most=most)
+                self._report("B113.sum", place, subject=what, total=total, most=TOLERANCE)
                 continue
             if off > largest:
                 largest, largest_place = off, place

@@ -15,15 +15,16 @@ from __future__ import annotations
 
 import heapq
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from itertools import islice
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.network import Component, Shape, bits, mask_of, size_of
 
-TABLE, EVIDENCE, UNIT = "table", "evidence", "unit"
+TABLE, EVIDENCE, PRIOR, UNIT = "table", "evidence", "prior", "unit"
 _SMALL = 64  # Entries up to which two constant tables are joined in advance in any case
+_TRIALS = 8  # 50 find trees with 20 % fewer operations, in six times the time
 _LEAVES_IN_ALL_TRIALS = 1_200  # A large network gets fewer trials
 _PAIRS = 6_000
 _MOST, _LEAST = 24, 8
@@ -36,12 +37,11 @@ _GAINS = (256, 77)
 class Leaf(NamedTuple):
     """A leaf of the tree."""
 
-    # `table`: the probabilities of a node; `evidence`: what was seen of it, with its prior if it is
-    # a root that is no output; `unit`: the place of an output
+    # `table`: the probabilities of a node; `evidence`: what was seen of it; `prior`: of a root that
+    # is no output, with its prior, which then cancels exactly; `unit`: the place of an output
     kind: str
     node: int  # number of the node
     mask: int  # the nodes that it has an axis for
-    seen: int  # the observable nodes whose states select its numbers
 
 
 class Tree(NamedTuple):
@@ -50,40 +50,23 @@ class Tree(NamedTuple):
     leaves: tuple[Leaf, ...]  # numbers 0 to n - 1 of the tree
     joins: tuple[tuple[int, int], ...]  # the two below each further number
     masks: tuple[int, ...]  # nodes on both sides of the edge above each number
-    # the two numbers that the last edge connects; equal when there is one leaf only
-    top: tuple[int, int]
+    top: tuple[int, int]  # the two numbers that the last edge connects
 
 
-def find_tree(
-    shape: Shape,
-    part: Component,
-    cost: Callable[[Tree], int],
-    trials: int = 8,
-) -> Tree:
-    """Return the tree of the smallest cost of a fixed number of trials.
-
-    50 trials find trees with 20 % fewer operations than 8, in six times the time; large parts get
-    fewer.
-    """
-    fixed, own = mask_of(part.always_observed), list[Leaf]()
-    for node in part.nodes:
-        # The prior of an observable root goes with its evidence, so that it cancels exactly when
-        # the node is observed.
-        if node in part.outputs or node not in part.inputs or shape.parents[node]:
-            family = mask_of(shape.family(node))
-            own.append(Leaf(TABLE, node, family & ~fixed, family & fixed))
-    own += [Leaf(EVIDENCE, node, 1 << node, 1 << node) for node in part.inputs]
-    own += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in part.inputs]
+def trees_of(shape: Shape, part: Component) -> Iterator[Tree]:
+    """Yield the trees of some trials."""
+    priors = [k for k in part.inputs if not shape.parents[k] and k not in part.outputs]
+    own = [Leaf(TABLE, k, mask_of(shape.family(k))) for k in part.nodes if k not in priors]
+    own += [Leaf(PRIOR if k in priors else EVIDENCE, k, 1 << k) for k in part.inputs]
+    own += [Leaf(UNIT, node, 1 << node) for node in part.outputs if node not in part.inputs]
     leaves = tuple(own)
-    trees = []
-    for trial in range(max(1, min(trials, _LEAVES_IN_ALL_TRIALS // len(leaves)))):
+    for trial in range(max(1, min(_TRIALS, _LEAVES_IN_ALL_TRIALS // len(leaves)))):
         weight = random.Random(trial).random if trial else lambda: 0.5  # noqa: S311 - no secret
         search = _Search(leaves, shape.cards, _GAINS[trial % 2], weight)
         search.join_pairs(constants_only=True)
         while len(search.active) > 2:  # once, unless there are more partners than are compared
             search.join_pairs(constants_only=False)
-        trees.append(search.tree())
-    return min(trees, key=cost)  # the first of equals
+        yield search.tree()
 
 
 class _Search:
@@ -96,7 +79,7 @@ class _Search:
         self._size = cache(partial(size_of, cards=cards))
         self._most = max(_LEAST, min(_MOST, _PAIRS // len(leaves)))
         self._masks = [leaf.mask for leaf in leaves]
-        self._constant = [leaf.kind == TABLE and not leaf.seen for leaf in leaves]
+        self._constant = [leaf.kind == TABLE for leaf in leaves]
         self._joins: list[tuple[int, int]] = []
         self.active = dict.fromkeys(range(len(leaves)))
         self._holders: dict[int, list[int]] = {}
@@ -105,8 +88,8 @@ class _Search:
                 self._holders.setdefault(node, []).append(number)
 
     def tree(self) -> Tree:
-        active = list(self.active)
-        return Tree(self._leaves, tuple(self._joins), tuple(self._masks), (active[0], active[-1]))
+        first, second = self.active
+        return Tree(self._leaves, tuple(self._joins), tuple(self._masks), (first, second))
 
     def join_pairs(self, *, constants_only: bool) -> None:
         """Join the best pair, again and again."""

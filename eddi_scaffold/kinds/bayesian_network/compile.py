@@ -7,24 +7,12 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from eddi_runtime.bayesian_network.readers import Declaration as Declared
 
-from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
-from eddi_scaffold.kinds.bayesian_network.inference_plan import (
-    Part,
-    Program,
-    everything,
-    foreseen,
-)
-from eddi_scaffold.kinds.bayesian_network.joint_tables import (
-    JointTable,
-    look_up_lines,
-    priors_of,
-    sum_lines,
-    total_lines,
-)
-from eddi_scaffold.kinds.bayesian_network.message_passing import Plan
+from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE
+from eddi_scaffold.kinds.bayesian_network.inference_plan import Part, parts_of
+from eddi_scaffold.kinds.bayesian_network.joint_tables import priors_of
+from eddi_scaffold.kinds.bayesian_network.message_passing import Edge
 from eddi_scaffold.kinds.bayesian_network.network import Network, NumberedNetwork, bits, numbered
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
-from eddi_scaffold.kinds.bayesian_network.steps import Steps
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.monitor_text import (
     CompiledMonitor,
@@ -33,7 +21,7 @@ from eddi_scaffold.program.monitor_text import (
     head_lines,
 )
 
-FORMAT = 3
+FORMAT = 4
 MODULES = (
     "claims", "direct", "explain", "memory", "readers", "schedule", "tables",
 )  # fmt: skip
@@ -50,24 +38,15 @@ def compile_network(
     network: Network, options: NetworkOptions, declaration: Declaration
 ) -> CompiledMonitor:
     """Return the compiled monitor of a network that is not too wide for its options."""
-    number_of = {name: k for k, name in enumerate(network.names())}
-    outputs = [number_of[node] for node in options.inferred]
-    observed = [number_of[node] for node in options.observable]
-    program = foreseen(numbered(network), outputs, observed)
-    return CompiledMonitor(FORMAT, monitor_lines(network, options, declaration, program), MODULES)
-
-
-def monitor_lines(
-    network: Network, options: NetworkOptions, declaration: Declaration, program: Program
-) -> list[str]:
-    """Return the lines of the class, and of what it uses, for a program."""
-    by_number = numbered(network)
-    module = _Module(by_number)
-    main = _ProgramText(module, program, "", loop=False).text
-    for_any_node = everything(by_number, program)
-    general = None
-    if for_any_node is not None:
-        general = _ProgramText(module, for_any_node, "all_", loop=True).text
+    node_names, by_number = network.names(), numbered(network)
+    outputs, observable, given = (
+        tuple(k for k, name in enumerate(node_names) if name in group)
+        for group in (options.inferred, options.observable, options.outputs)
+    )
+    module = _Module(by_number, observable)
+    parts = {f"part_{k}": of for k, of in enumerate(parts_of(by_number, outputs, observable))}
+    for name, part in parts.items():
+        module.add(part, name)
     bases = ["explain.Explaining"] if options.explain else []
     bases += ["claims.ThresholdMonitor"] if options.thresholds else []
     specs = []
@@ -75,17 +54,18 @@ def monitor_lines(
         fields = [py.text_literal(node.id), py.literal(node.states), py.text_literal(attribute)]
         above = f"{k} {py.comment(node.place.path or '')}".rstrip()
         specs.append(py.Item(py.call(f"{_ROOM}.NodeSpec", fields), above=above))
-    outputs = tuple(k for k, name in enumerate(network.names()) if name in options.outputs)
+    program: dict[str, py.Part] = {
+        "outputs": py.literal(outputs),
+        "observable": py.literal(observable),
+        "parts": py.tuple_of(parts),
+    }
     lines = [
         *module.lines(),
         *head_lines(", ".join(bases) or f"{_ROOM}.BayesianNetworkMonitor", declaration, {}),
         *py.assignment("nodes", py.tuple_of(specs), 4),
-        *py.assignment("given", py.literal(outputs), 4),
-        *py.assignment("foreseen", main, 4),
+        *py.assignment("given", py.literal(given), 4),
+        *py.assignment("foreseen", py.call(f"{_ROOM}.Program", [], **program), 4),
     ]
-    if general is not None:
-        lines += ["    # For nodes that only a person's method observes, or makes an output."]
-        lines += py.assignment("everything", general, 4)
     if options.thresholds:
         thresholds = []
         for threshold in options.thresholds:
@@ -95,7 +75,7 @@ def monitor_lines(
             hold_ns = str(round(threshold.hold * 1e9))
             claim = py.call("claims.Threshold", [py.text_literal(threshold.id), *limits, hold_ns])
             summed = py.literal(tuple(states.index(state) for state in threshold.states))
-            number = str(network.names().index(threshold.node))
+            number = str(node_names.index(threshold.node))
             fields = [number, summed, str(threshold.at_least), claim]
             thresholds.append(py.call("claims.StateThreshold", fields))
         lines += py.assignment("thresholds", py.tuple_of(thresholds), 4)
@@ -103,21 +83,19 @@ def monitor_lines(
         lines.append("    virtual = False")
     if options.on_inconsistent != "silent":
         lines.append(f"    on_inconsistent = {py.text_literal(options.on_inconsistent)}")
-    return [*lines, *_source_lines(network, options, declaration)]
+    lines += _source_lines(network, options, declaration)
+    return CompiledMonitor(FORMAT, lines, MODULES)
 
 
 def _source_lines(
     network: Network, options: NetworkOptions, declaration: Declaration
 ) -> Iterator[str]:
-    """Yield the lines on the inputs that feed nodes, by node.
-
-    If the configuration names which nodes are observed, the others are left out.
-    """
+    """Yield the lines on the inputs that feed nodes, by node."""
     positions = {input_.id: k for k, input_ in enumerate(declaration.inputs)}
     rows, reads = [], []
     for k, node in enumerate(network.nodes):
         input_id = options.input_of(node.id)
-        if input_id is None or node.id not in options.observable:
+        if input_id is None:
             continue
         place = f"self.inputs[{positions[input_id]}]"
         entry = next((entry for entry in options.declarations if entry.node == node.id), None)
@@ -148,31 +126,44 @@ def _source_lines(
 class _Module:
     """What stands before the class: numbered by part, so that nothing of a model is a name."""
 
-    def __init__(self, network: NumberedNetwork) -> None:
-        self.network, self.cards, self.names = network, network.shape.cards, network.shape.names
-        self.blocks: list[list[str]] = []
-        self.used: set[int] = set()
+    def __init__(self, network: NumberedNetwork, observable: Sequence[int]) -> None:
+        self._network, self._positions = network, {node: k for k, node in enumerate(observable)}
+        self._blocks: list[list[str]] = []
+        self._used: set[int] = set()
 
     def lines(self) -> list[str]:
-        """Return the lines, with the tables of the nodes that schedules need before them."""
-        blocks = list(self.blocks)
-        if self.used:
-            rows = tuple(self._node(node) for node in sorted(self.used))
+        """Return the lines, with the tables of the nodes of schedules before them."""
+        blocks = list(self._blocks)
+        if self._used:
+            rows = tuple(self._node(node) for node in sorted(self._used))
             blocks.insert(0, py.assignment("nodes", py.Group("{", rows, "}"), 0))
         return [line for block in blocks for line in [*block, "", ""]]
 
-    def comment(self, nodes: Iterable[int]) -> str:
-        """Return the names of nodes."""
-        return py.comment(", ".join(self.names[node] for node in nodes))
+    def add(self, part: Part, name: str) -> None:
+        """Add a part: its tables, or its messages."""
+        component = part.plan.part
+        made = self._tables(part, name) if part.tables is not None else self._schedule(part, name)
+        fields: dict[str, py.Part] = {
+            "inputs": py.literal(tuple(self._positions[node] for node in component.inputs)),
+            "outputs": py.literal(component.outputs),
+            "least": str(part.least),
+        }
+        head = self._comment(component.outputs)
+        self._write(head, name, py.call(f"{_ROOM}.Part", [made], **fields))
 
-    def case_comment(self, nodes: Sequence[int], states: Sequence[int]) -> str:
-        """Return the names of states of nodes."""
-        names = ([*self.network.states[node], "not known"] for node in nodes)
+    def _write(self, head: str, name: str, part: py.Part) -> None:
+        self._blocks.append([f"# {head}", *py.assignment(name, part, 0)])
+
+    def _comment(self, nodes: Iterable[int]) -> str:
+        return py.comment(", ".join(self._network.shape.names[node] for node in nodes))
+
+    def _case_comment(self, nodes: Sequence[int], states: Sequence[int]) -> str:
+        names = ([*self._network.states[node], "not known"] for node in nodes)
         return py.comment(", ".join(of[k] for of, k in zip(names, states, strict=True)))
 
     def _node(self, node: int) -> py.Item:
-        card, table = self.cards[node], self.network.tables[node]
-        parents = self.network.shape.parents[node]
+        card, table = self._network.shape.cards[node], self._network.tables[node]
+        parents = self._network.shape.parents[node]
         starts = range(0, len(table), card)
         rows: py.Part
         if len(table) > _MANY:
@@ -180,187 +171,51 @@ class _Module:
             lines = (" ".join(texts[k : k + card]) for k in starts)
             rows = py.call("schedule.rows_of", ['"""' + "\n".join(lines) + '"""'])
         else:
-            cases = itertools.product(*(range(self.cards[parent]) for parent in parents))
+            cases = itertools.product(*(range(self._network.shape.cards[of]) for of in parents))
             rows = py.tuple_of(
-                py.Item(py.numbers(table[k : k + card]), behind=self.case_comment(parents, case))
+                py.Item(py.numbers(table[k : k + card]), behind=self._case_comment(parents, case))
                 for k, case in zip(starts, cases, strict=True)
             )
-        condition = (
-            f" given {', '.join(self.names[parent] for parent in parents)}" if parents else ""
-        )
-        above = py.comment(f"{self.names[node]}{condition}")
+        given = f" given {self._comment(parents)}" if parents else ""
+        above = py.comment(f"{self._comment([node])}{given}")
         return py.Item(py.tuple_of([py.literal(parents), rows]), prefix=f"{node}: ", above=above)
 
-
-class _ProgramText:
-    """A program as text; its parts, whose names begin with a prefix, are written before the class.
-
-    In a loop, steps are tables that the runtime runs through, not functions.
-    """
-
-    def __init__(self, module: _Module, program: Program, prefix: str, *, loop: bool) -> None:
-        self._module, self._network, self._cards = module, module.network, module.cards
-        self._blocks, self._program, self._loops = module.blocks, program, loop
-        self._positions = {node: k for k, node in enumerate(program.observable)}
-        is_short = not loop and program.is_short(self._cards)
-        self._is_brief = is_short or loop
-        names: dict[int, str] = {}
-        for part in (*program.parts, *program.when_observed):
-            if id(part) not in names:
-                name = names[id(part)] = f"{prefix}part_{len(names)}"
-                self._part(part, name)
-        fields: dict[str, py.Part] = {
-            "outputs": py.literal(program.outputs),
-            "observable": py.literal(program.observable),
-            "parts": py.tuple_of(names[id(part)] for part in program.parts),
-        }
-        if program.when_observed != program.parts:
-            fields["when_observed"] = py.tuple_of(names[id(part)] for part in program.when_observed)
-        if is_short:
-            self._cases(f"{prefix}cases")
-            fields["cases"] = f"{prefix}cases"
-        self.text = py.call(f"{_ROOM}.Program", [], **fields)
-
-    def _write(self, head: str, name: str, part: py.Part) -> None:
-        self._blocks.append([*([f"# {head}"] if head else []), *py.assignment(name, part, 0)])
-
-    def _cases(self, name: str) -> None:
-        program = self._program
-        rows = [
-            py.Item(
-                py.literal(posterior),
-                prefix=f"({', '.join(map(str, case))}{',' if len(case) == 1 else ''}): ",
-                behind=self._module.case_comment(program.observable, case),
+    def _tables(self, part: Part, name: str) -> py.Part:
+        texts = []
+        for k, table in enumerate(part.tables or ()):
+            cases = itertools.product(*map(range, table.counts))
+            rows = py.tuple_of(
+                py.Item(py.numbers(row), behind=self._case_comment(table.inputs, case))
+                for row, case in zip(table.rows, cases, strict=True)
             )
-            for case, posterior in program.cases(self._cards)
-        ]
-        head = f"Posteriors of {self._module.comment(program.outputs) or 'no node'}"
-        self._write(head, name, py.Group("{", tuple(rows), "}"))
-
-    def _part(self, part: Part, name: str) -> None:
-        component = part.plan.part
-        if part.tables is not None:
-            inference = self._tables(part.plan, part.tables, name)
-        else:
-            inference = self._schedule(part.plan, name)
-        fields: dict[str, py.Part] = {
-            "inputs": py.literal(tuple(self._positions[node] for node in component.inputs)),
-            "outputs": py.literal(component.outputs),
-            "least": str(part.least),
-        }
-        head = self._module.comment(component.outputs) or "evidence alone"
-        self._write(head, name, py.call(f"{_ROOM}.Part", [inference], **fields))
-
-    def _tables(self, plan: Plan, tables: Sequence[JointTable], name: str) -> py.Part:
-        texts, strides_of, above = [], [], []
-        for k, table in enumerate(tables):
-            own, strides = f"{name}_{k}", table.strides()
-            pairs = [(self._positions[n], by) for n, by in zip(table.inputs, strides, strict=True)]
-            output = "evidence alone" if table.output < 0 else self._module.names[table.output]
-            inputs = [self._module.names[node] for node in table.inputs]
-            strides_of.append(pairs)
-            above.append(py.comment(f"{output} by {', '.join(inputs)}" if inputs else output))
-            fields: dict[str, py.Part] = {}
-            if not (self._is_brief and table.few()):
-                self._rows(table, output, f"{own}_rows")
-                fields["rows"] = f"{own}_rows"
-            if table.few():
-                counts, states = [count - 1 for count in table.counts], [output]
-                if table.output >= 0:
-                    of_output = self._network.states[table.output]
-                    states = [py.comment(f"{output} = {state}") for state in of_output]
-                axes = [*map(py.comment, inputs)]
-                total = total_lines(f"{own}_total", table.rows, counts, strides, axes, states)
-                self._blocks.append(total)
-                fields["total"] = f"{own}_total"
-            texts.append(py.call("tables.Table", [py.literal(tuple(pairs))], **fields))
-        self._blocks.append(look_up_lines(f"{name}_look_up", strides_of, above))
+            by = f" by {self._comment(table.inputs)}" if table.inputs else ""
+            head = py.comment(f"P({self._comment([table.output])}, evidence){by}")
+            self._write(head, f"{name}_{k}", rows)
+            positions = tuple(self._positions[node] for node in table.inputs)
+            texts.append(py.call("tables.Table", [py.literal(positions), f"{name}_{k}"]))
         priors = tuple(
             py.Item(py.numbers(prior), prefix=f"{self._positions[node]}: ")
-            for node, prior in priors_of(self._network, plan).items()
+            for node, prior in priors_of(self._network, part.plan).items()
         )
-        prior_of = py.Group("{", priors, "}")
-        return py.call("tables.Tables", [py.tuple_of(texts), prior_of, f"{name}_look_up"])
+        return py.call("tables.Tables", [py.tuple_of(texts), py.Group("{", priors, "}")])
 
-    def _rows(self, table: JointTable, output: str, name: str) -> None:
-        cases = itertools.product(*map(range, table.counts))
-        rows = py.tuple_of(
-            py.Item(py.numbers(row), behind=self._module.case_comment(table.inputs, case))
-            for row, case in zip(table.rows, cases, strict=True)
-        )
-        self._write(f"P({py.comment(output)}, evidence)", name, rows)
-
-    def _schedule(self, plan: Plan, name: str) -> py.Part:
-        program = plan.program
-        self._messages(plan, name)
-        hard: py.Part = "None"
-        full: py.Part = "None"
-        if not self._loops:
-            steps = Steps(program, self._cards, self._positions, look_up=True)
-            hard = self._steps(steps, f"{name}_hard")
-        if not plan.part.always_observed:
-            steps = Steps(program, self._cards, self._positions)
-            full = (self._loop if self._loops else self._steps)(steps, f"{name}_full")
-        edges = [*program.messages]
-        answers = [program.answers[node] for node in plan.part.outputs] or program.evidence
-        fields = [py.literal(tuple(map(edges.index, answers))), hard, full]
-        return py.call("schedule.Schedule", ["nodes", f"{name}_messages", *fields])
-
-    def _messages(self, plan: Plan, name: str) -> None:
-        """Write the messages of a plan, for which the runtime makes arrays."""
-        for node in plan.part.nodes:
-            self._module.used.update(self._network.shape.family(node))
-        program, number_of = plan.program, {}
-        in_tables = {leaf.node for leaf in plan.tree.leaves if leaf.kind == TABLE}
-        rows = []
-        for k, (edge, message) in enumerate(program.messages.items()):
-            number_of[edge] = k
-            parts = tuple(number_of[part] for part in message.parts)
-            kind = message.kind or "product"
-            if kind in (TABLE, EVIDENCE):
-                leaf = plan.tree.leaves[message.leaf]
-                if kind == TABLE:
-                    parts = (leaf.node,)
-                elif leaf.node not in in_tables:
-                    kind = "prior"
-            is_known = not message.inputs or edge in program.tabulated or not message.parts
-            seen = message.inputs & ~message.mask if kind == TABLE else message.inputs
-            nodes, inputs = tuple(bits(message.mask)), tuple(bits(seen)) if is_known else ()
-            row = py.literal((kind, parts, nodes, inputs, is_known))
-            rows.append(py.Item(row, behind=f"{k} {self._module.comment(nodes)}".rstrip()))
+    def _schedule(self, part: Part, name: str) -> py.Part:
+        """Write the messages of a part, for which the runtime makes arrays and operations."""
+        plan = part.plan
+        self._used.update(plan.part.nodes)
+        number_of: dict[Edge, int] = {}
+        rows: list[py.Item] = []
+        for edge, message in plan.program.messages.items():
+            if (same := plan.program.alias_of(message)) is not None:
+                number_of[edge] = number_of[same]
+                continue
+            parts = tuple(sorted(number_of[of] for of in message.parts))
+            parts = (message.node,) if message.kind == TABLE else parts
+            is_known = not message.inputs or edge in plan.program.tabulated
+            nodes, inputs = tuple(bits(message.mask)), tuple(bits(message.inputs))
+            row = py.literal((message.kind, parts, nodes, inputs if is_known else (), is_known))
+            number_of[edge] = len(rows)
+            rows.append(py.Item(row, behind=f"{len(rows)} {self._comment(nodes)}"))
         self._write("Kind, parts, nodes, inputs, known.", f"{name}_messages", py.tuple_of(rows))
-
-    def _slots(self, steps: Steps, name: str) -> None:
-        pairs = zip(steps.slots, steps.names, strict=True)
-        rows = py.tuple_of(py.Item(py.literal(row), behind=slot) for row, slot in pairs)
-        self._write("", f"{name}_slots", rows)
-
-    def _steps(self, steps: Steps, name: str) -> py.Part:
-        self._slots(steps, name)
-        functions = dict.fromkeys(operation.function for operation in steps.operations)
-        if any("dot(" in row for row in steps.rows):
-            functions["dot"] = None
-        lines = [f"    {function} = numpy.{function}" for function in functions]
-        lines += py.unpacked(steps.names, "slots", 4)
-        lines = [f"def {name}(numpy, slots):", *lines, *([""] if lines else [])]
-        lines.append("    def step(s):")
-        for case, terms in steps.cases.items():
-            lines += sum_lines(case, [f"s[{position}] * {by}" for position, by in terms], 8)
-        for operation in steps.operations:
-            line = f"        {operation.function}({', '.join(operation.operands)})"
-            lines.append(f"{line}  # {self._module.comment(operation.nodes)}".rstrip(" #"))
-        lines += py.returned(py.Group("[", tuple(map(py.Item, steps.rows)), "]"), 8)
-        self._blocks.append([*lines, "", "    return step"])
-        return py.call("schedule.Steps", [f"{name}_slots", name])
-
-    def _loop(self, steps: Steps, name: str) -> py.Part:
-        self._slots(steps, name)
-        rows = []
-        for operation in steps.operations:
-            operands = (int(text[1:]) for text in operation.operands)
-            row = py.literal((operation.message, operation.function, *operands))
-            rows.append(py.Item(row, behind=self._module.comment(operation.nodes)))
-        self._write("", f"{name}_operations", py.tuple_of(rows))
-        answers = py.literal(tuple(int(row.partition(".")[0][1:]) for row in steps.rows))
-        fields = {"operations": f"{name}_operations", "answers": answers}
-        return py.call("schedule.Steps", [f"{name}_slots"], **fields)
+        answers = tuple(number_of[plan.program.answers[node]] for node in plan.part.outputs)
+        return py.call("schedule.Schedule", ["nodes", f"{name}_messages", py.literal(answers)])

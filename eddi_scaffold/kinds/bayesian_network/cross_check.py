@@ -58,9 +58,6 @@ def posteriors(monitor: BayesianNetworkMonitor, case: Case) -> dict[str, tuple[f
     """Return the posterior of each output, ``None`` if the evidence has probability zero.
 
     Steps are not touched; no monitor needs it.
-
-    Raises:
-        NotForeseenError: a node was not foreseen, and no inference is there for it.
     """
     numbers = {spec.id: node for node, spec in enumerate(monitor.nodes)}
     answer = Answer()
@@ -70,8 +67,6 @@ def posteriors(monitor: BayesianNetworkMonitor, case: Case) -> dict[str, tuple[f
         if judged is not None:
             answer.findings[numbers[name]] = judged
     engine = monitor.engine
-    if not answer.findings.keys() <= set(engine.observable):
-        engine = monitor.engine_for({*engine.outputs}, {*engine.observable, *answer.findings})
     states = list(engine.missing)
     weights: dict[int, list[float]] = {}
     answer.put(engine, states, weights)

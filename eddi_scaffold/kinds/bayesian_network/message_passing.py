@@ -11,7 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE, UNIT, Tree, find_tree
+from eddi_scaffold.kinds.bayesian_network.clique_tree import (
+    EVIDENCE,
+    PRIOR,
+    TABLE,
+    UNIT,
+    Tree,
+    trees_of,
+)
 from eddi_scaffold.kinds.bayesian_network.network import Component, Shape, size_of
 
 Edge = tuple[int, int]  # (from, to): numbers of a tree
@@ -24,6 +31,11 @@ _OPERATION_NS = 600
 _LOOKUP_NS = 80
 
 
+def with_missing(cards: Sequence[int]) -> list[int]:
+    """Return the cases of each node: its states, and "not observed"."""
+    return [card + 1 for card in cards]
+
+
 class Message(NamedTuple):
     """One message."""
 
@@ -31,8 +43,8 @@ class Message(NamedTuple):
     mask: int  # the nodes it has an axis for
     inputs: int  # observable nodes that it depends on
     parts: tuple[Edge, ...]  # the messages it is the product of; empty for a leaf
-    leaf: int  # number of the leaf, -1 for a product
-    kind: str  # of the leaf, empty for a product
+    kind: str  # of the leaf, or `product`
+    node: int  # of the leaf, -1 for a product
 
 
 class MessageProgram(NamedTuple):
@@ -40,12 +52,7 @@ class MessageProgram(NamedTuple):
 
     messages: dict[Edge, Message]  # by edge; each comes after its parts
     answers: dict[int, Edge]  # output -> the message into its leaf
-    # for a part without outputs: the two messages whose product, summed, is the probability of the
-    # evidence (one of them for a single leaf)
-    evidence: tuple[Edge, ...]
     tabulated: set[Edge]  # the messages that depend on few inputs
-    # of each node that may be observed: its states, and "not observed" where that may be
-    cases: dict[int, int]
 
     def joint_mask(self, message: Message) -> int:
         """Return the nodes over which a product runs: its clique."""
@@ -65,50 +72,42 @@ class MessageProgram(NamedTuple):
                 return part
         return None
 
-    def costs(self, cards: Sequence[int]) -> tuple[int, int]:
-        """Return (ns with hard evidence, ns with any evidence).
+    def cost(self, cards: Sequence[int]) -> int:
+        """Return an estimate for comparing: 0.6 us for an operation, 1 ns for a multiplication.
 
-        Estimates for comparing: 0.6 us for an operation and 1 ns for a multiplication.
+        Mostly hard evidence is seen; the steps with other evidence must not be forgotten for it.
         """
-        hard, full = 0, 0
+        total = 0
         looked_up: set[Edge] = set()
         for edge, message in self.messages.items():
             if not message.parts or not message.inputs or self.alias_of(message):
                 continue
             price = _OPERATION_NS + self.work(message, cards)
-            full += price
             if edge not in self.tabulated:
-                hard += price
+                price *= 5
                 looked_up.update(part for part in message.parts if part in self.tabulated)
-        return hard + _LOOKUP_NS * len(looked_up), full
+            total += price
+        return total + 4 * _LOOKUP_NS * len(looked_up)
 
 
 class Plan(NamedTuple):
     """How one part of a network is inferred; symbols only."""
 
     part: Component
-    tree: Tree
     program: MessageProgram
 
 
-def plan_of(shape: Shape, part: Component, trials: int) -> Plan:
+def plan_of(shape: Shape, part: Component) -> Plan:
     """Return the cheapest plan that was found for a part."""
-
-    def price(tree: Tree) -> int:
-        # Mostly hard evidence is seen; the other schedule must not be forgotten for it.
-        hard, full = make_program(tree, part, shape.cards).costs(shape.cards)
-        return hard if part.always_observed else 4 * hard + full
-
-    tree = find_tree(shape, part, price, trials)
-    return Plan(part, tree, make_program(tree, part, shape.cards))
+    programs = [_program(tree, part, shape.cards) for tree in trees_of(shape, part)]
+    return Plan(part, min(programs, key=lambda of: of.cost(shape.cards)))  # the first of equals
 
 
-def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> MessageProgram:
+def _program(tree: Tree, part: Component, cards: Sequence[int]) -> MessageProgram:
     """Return all messages that the outputs of a part need."""
     neighbours: list[list[int]] = [[] for _ in tree.masks]
     edges = [(n, below) for n, pair in enumerate(tree.joins, len(tree.leaves)) for below in pair]
-    first, second = tree.top
-    for above, below in edges if first == second else [*edges, tree.top]:
+    for above, below in [*edges, tree.top]:
         neighbours[below].append(above)
         neighbours[above].append(below)
     answers = {
@@ -116,13 +115,8 @@ def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> MessagePr
         for number, leaf in enumerate(tree.leaves)
         if leaf.node in part.outputs and leaf.kind != TABLE
     }
-    evidence = () if answers else tuple(dict.fromkeys([(first, second), (second, first)]))
-    messages = _messages([*answers.values(), *evidence], tree, neighbours)
-    cases = {
-        node: cards[node] + (node not in part.always_observed)
-        for node in (*part.inputs, *part.always_observed)
-    }
-    program = MessageProgram(messages, answers, evidence, set(), cases)
+    messages = _messages([*answers.values()], tree, neighbours)
+    program, cases = MessageProgram(messages, answers, set()), with_missing(cards)
     for edge, message in messages.items():
         parts_are_known = all(
             part in program.tabulated or not messages[part].inputs for part in message.parts
@@ -161,11 +155,12 @@ def _messages(
         # A join has a higher number than what it joins; over the top edge both masks are equal.
         mask = tree.masks[min(edge)]
         if is_leaf:
-            leaf = tree.leaves[source]
-            messages[edge] = Message(edge, mask, leaf.seen, (), source, leaf.kind)
+            kind, node, own = tree.leaves[source]
+            inputs = own if kind in (EVIDENCE, PRIOR) else 0
+            messages[edge] = Message(edge, mask, inputs, (), kind, node)
         else:
             inputs = 0
             for part in parts:
                 inputs |= messages[part].inputs
-            messages[edge] = Message(edge, mask, inputs, parts, -1, "")
+            messages[edge] = Message(edge, mask, inputs, parts, "product", -1)
     return messages

@@ -7,16 +7,14 @@ Source: SESAME D7.2 section 3.2; Pearl, "Probabilistic Reasoning in Intelligent 
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 import unicodedata
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from heapq import heappop, heappush
 from typing import NamedTuple
 
-from eddi_scaffold.common.graphs import reached, reversed_graph
+from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place
 
@@ -55,45 +53,6 @@ class Network:
     def names(self) -> list[str]:
         """Return the ids in the order of the file."""
         return [node.id for node in self.nodes]
-
-    def children(self) -> dict[str, tuple[str, ...]]:
-        """Return node -> nodes that it is a parent of."""
-        return reversed_graph({node.id: node.parents for node in self.nodes})
-
-    def attained(self, name: str, states: Collection[str], given: Sequence[str]) -> list[float]:
-        """Return the probabilities of some states of a node, for all states of others.
-
-        They are the sums over the joint probabilities of all nodes that matter.
-        """
-        parents = {node.id: node.parents for node in self.nodes}
-        nodes = [self.node(id_) for id_ in sorted(reached(parents, [name, *given]))]
-        sums: dict[tuple[str, ...], list[float]] = {}
-        for case in itertools.product(*(node.states for node in nodes)):
-            state, p = dict(zip((node.id for node in nodes), case, strict=True)), 1.0
-            for node in nodes:
-                row = 0
-                for of in (*map(self.node, node.parents), node):
-                    row = row * len(of.states) + of.states.index(state[of.id])
-                p *= node.table[row]
-            both = sums.setdefault(tuple(state[id_] for id_ in given), [0.0, 0.0])
-            both[0] += p if state[name] in states else 0.0
-            both[1] += p
-        return [part / total for part, total in sums.values() if total > 0]
-
-    def in_order(self) -> list[Node]:
-        """Return the nodes, parents first; the order of the file wherever it allows that."""
-        index = {node.id: k for k, node in enumerate(self.nodes)}
-        missing = [len(node.parents) for node in self.nodes]
-        ready = [k for k, count in enumerate(missing) if not count]
-        children = self.children()
-        ordered: list[Node] = []
-        while ready:
-            ordered.append(self.nodes[heappop(ready)])
-            for child in children[ordered[-1].id]:
-                missing[index[child]] -= 1
-                if not missing[index[child]]:
-                    heappush(ready, index[child])
-        return ordered
 
 
 @dataclass(frozen=True)
@@ -196,10 +155,7 @@ class Component(NamedTuple):
 
     nodes: tuple[int, ...]  # numbers of those whose tables belong here, ascending
     inputs: tuple[int, ...]  # those that may be observed
-    outputs: tuple[int, ...]  # those whose posterior is asked for
-    # nodes observed in each step: their states select numbers, tables have no axis for them, and
-    # what only they connect falls apart
-    always_observed: tuple[int, ...] = ()
+    outputs: tuple[int, ...]  # those whose posterior is asked for, else any
 
 
 def numbered(network: Network) -> NumberedNetwork:
@@ -243,66 +199,27 @@ def size_of(mask: int, cards: Sequence[int] | Mapping[int, int]) -> int:
 
 
 def components(
-    shape: Shape, outputs: Sequence[int], observable: Sequence[int]
+    shape: Shape, outputs: Collection[int], observable: Collection[int]
 ) -> tuple[Component, ...]:
     """Split a network into parts that no evidence connects.
 
     Descendants that are neither observable nor an output sum to one and are left out ("barren"
     nodes). The rest falls into the connected parts of the moral graph: the probability of the
-    evidence is the product over the parts, so each is inferred for itself, and a contradiction is
-    found in a part without outputs as well.
+    evidence is the product over the parts, so each is inferred for itself. One without outputs may
+    be contradictory, too: any posterior of it tells.
     """
-    relevant, waiting = 0, [*outputs, *observable]
-    while waiting:
-        node = waiting.pop()
-        if not relevant >> node & 1:
-            relevant |= 1 << node
-            waiting += shape.parents[node]
-    return _split(shape, tuple(bits(relevant)), {*observable}, {*outputs})
-
-
-def with_all_observed(shape: Shape, part: Component) -> tuple[Component, ...]:
-    """Split a part for the steps in which each of its inputs is observed.
-
-    An input that is an output too keeps its axis: its row gives the probabilities of its states.
-    """
-    fixed = frozenset(part.inputs).difference(part.outputs)
-    return _split(shape, part.nodes, part.inputs, part.outputs, fixed)
-
-
-def _split(
-    shape: Shape,
-    nodes: Sequence[int],
-    inputs: Collection[int],
-    outputs: Collection[int],
-    fixed: frozenset[int] = frozenset(),
-) -> tuple[Component, ...]:
-    """Group nodes whose tables share a node that is not observed in each step."""
-    joined_with = [*range(len(shape.cards))]
-
-    def root(node: int) -> int:
-        while joined_with[node] != node:
-            joined_with[node] = joined_with[joined_with[node]]
-            node = joined_with[node]
-        return node
-
-    # A table belongs to any of its nodes that are not fixed: they are all in one group.
-    member_of: dict[int, int] = {}
-    for node in nodes:
-        free = [member for member in shape.family(node) if member not in fixed]
-        member_of[node] = free[0] if free else node
-        for member in free[1:]:
-            first, second = sorted((root(free[0]), root(member)))
-            joined_with[second] = first
-    groups: dict[int, list[int]] = {}
-    for node in nodes:
-        groups.setdefault(root(member_of[node]), []).append(node)
-    return tuple(
-        Component(
-            tuple(group),
-            tuple(node for node in group if node in inputs and node not in fixed),
-            tuple(node for node in group if node in outputs),
-            tuple(sorted(fixed & {member for node in group for member in shape.family(node)})),
-        )
-        for _, group in sorted(groups.items())
-    )
+    relevant = reached(dict(enumerate(shape.parents)), [*outputs, *observable])
+    linked: dict[int, list[int]] = {node: [*shape.parents[node]] for node in relevant}
+    for node in relevant:
+        for parent in shape.parents[node]:
+            linked[parent].append(node)
+    parts = []
+    for node in sorted(relevant):
+        if node in linked:
+            group = sorted(reached(linked, [node]))
+            for member in group:
+                del linked[member]
+            inputs = tuple(member for member in group if member in observable)
+            shown = tuple(member for member in group if member in outputs)
+            parts.append(Component(tuple(group), inputs, shown or (node,)))
+    return tuple(parts)

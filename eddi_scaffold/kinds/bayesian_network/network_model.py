@@ -25,7 +25,6 @@ from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Threshold, read_options
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
-from eddi_scaffold.kinds.bayesian_network.vectors import network_vectors
 from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -221,6 +220,10 @@ class NetworkModel(kinds.Model):
         return compile_network(self.data, self.settings, declaration)
 
     def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
+        from eddi_scaffold.kinds.bayesian_network.vectors import (  # noqa: PLC0415 - needs numpy
+            network_vectors,
+        )
+
         return network_vectors(self.data, self.settings, inputs, about)
 
     def verify(self, emitted: Emitted) -> Iterator[str]:
@@ -273,7 +276,17 @@ class NetworkModel(kinds.Model):
         priors = any(of.policy == "prior" for of in readers.values())
         if priors or not readers.keys() >= {*given} or sizes > _MOST_CASES:
             return True
-        attained = self.data.attained(threshold.node, threshold.states, given)
+        from eddi_scaffold.kinds.bayesian_network.elimination import (  # noqa: PLC0415 - needs numpy
+            factors_of,
+            summed,
+        )
+
+        names = self.data.names()
+        joint = summed(factors_of(self.data), [*map(names.index, [*given, threshold.node])])
+        states = self.data.node(threshold.node).states
+        part = joint[..., [*map(states.index, threshold.states)]].sum(-1)
+        possible = (whole := joint.sum(-1)) > 0.0
+        attained = (part[possible] / whole[possible]).tolist()
         return any(min(limits) <= p <= max(limits) and p != threshold.limit for p in attained)
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:

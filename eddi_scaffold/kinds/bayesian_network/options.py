@@ -188,7 +188,6 @@ class NetworkOptions:
     direct: Mapping[str, str]  # node -> input that holds its state or likelihoods
     inputs: tuple[ModelInput, ...] = field(compare=False)  # what the monitor reads
     width: Width = field(compare=False)  # what inference will cost
-    foreseen: tuple[str, ...] | None = None  # what `observed:` names, `None` without it
     # node -> its former name; its hand-written body moves along
     renamed: Mapping[str, str] = field(default_factory=dict, compare=False)
     virtual: bool = True  # several non-zero outcomes are likelihoods; else D7.2's rule
@@ -204,8 +203,8 @@ class NetworkOptions:
 
     @property
     def observable(self) -> tuple[str, ...]:
-        """The nodes that may be observed: those that `observed:` names, or that inputs feed."""
-        return self.observed if self.foreseen is None else self.foreseen
+        """The nodes that may be observed, by inputs or by hand."""
+        return (*self.observed, *(name for name in self.by_hand if name not in self.observed))
 
     def input_of(self, node: str) -> str | None:
         """Return the input that feeds a node; a discretisation goes before a name."""
@@ -241,32 +240,31 @@ def read_options(
     problems += [*faults, *reader.problems]
     if has_errors(problems):
         return None, problems
-    foreseen = None
-    if "observed" in values:
-        foreseen = tuple(name for name in names if name in values["observed"])
-    fed = {*declared, *direct, *(foreseen or ())}
-    observed = tuple(name for name in names if name in fed)
+    named = values.get("observed", ())
+    observed = tuple(name for name in names if name in {*declared, *direct, *named})
     outputs = [name for name in names if name in values.get("outputs", ())]
     if not outputs:  # those that the file marks, else leaves that nobody observes
-        children = network.children()
-        leaves = [name for name in names if not children[name]]
+        parents = {parent for node in network.nodes for parent in node.parents}
+        leaves = [name for name in names if name not in parents]
         unseen = [name for name in leaves if name not in observed]
         outputs = [node.id for node in network.nodes if node.target] or unseen or leaves
     inputs = _inputs(network, options, declarations, direct, has_thresholds=bool(thresholds))
     feeding = {*direct.values(), *(entry.input for entry in declarations)}
-    by_hand = [name for name in names if name not in outputs] if foreseen is None else foreseen
+    inferred = {*outputs, *(entry.node for entry in thresholds)}
+    by_hand = named if "observed" in values else [name for name in names if name not in inferred]
     if all(input_.id in feeding for input_ in inputs):
         by_hand = ()
-    inferred = dict.fromkeys([*outputs, *(entry.node for entry in thresholds)])
-    groups = (inferred, observed if foreseen is None else foreseen)
+    observable = {*observed, *by_hand}
+    width = width_of(
+        numbered(network).shape, *(map(names.index, of) for of in (inferred, observable))
+    )
     settings = NetworkOptions(
         tuple(outputs),
         observed,
         tuple(declarations),
         direct,
         inputs,
-        width_of(numbered(network).shape, *([*map(names.index, group)] for group in groups)),
-        foreseen,
+        width,
         {str(new): str(old) for new, old in values.get("renamed", {}).items()},
         values.get("evidence_mode") != "d7.2",
         values.get("on_inconsistent", "silent"),
@@ -337,7 +335,7 @@ def _inputs(
 
 def _warnings(network: Network, settings: NetworkOptions, options: Options) -> Iterator[Problem]:
     """Yield what is too wide (B301), and evidence that is of little use (B305, B425)."""
-    width, observed = settings.width, settings.observed
+    width, observed = settings.width, settings.observable
     if width.largest > LARGE:
         yield problem(
             "B301.too_large" if width.too_large else "B301.large",

@@ -1,32 +1,23 @@
-"""Whether the text of a Bayesian network has the settings, tables and sums of its model.
-
-What operations of numpy infer is not proved; test vectors compare it with the model.
-"""
+"""Whether the text of a Bayesian network has the settings, tables and messages of its model."""
 
 from __future__ import annotations
 
 import ast
-import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.evidence.emitted import Call, Class, Emitted, UnprovedError, data, reading
-from eddi_scaffold.evidence.sums import returned, variables
+from eddi_scaffold.kinds.bayesian_network.elimination import factors_of, summed
 from eddi_scaffold.kinds.bayesian_network.network import Network, node_attributes
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
-
-    Array = NDArray[np.float64]
 _KIND = "bayesian_network"
 _CLOSE = 1e-12  # relative difference of two numbers that are equal
-_MOST_AXES, _MOST_CASES = 52, 2**20  # that numpy.einsum can name; of evidence
 
 
 def verify(network: Network, options: NetworkOptions, emitted: Emitted) -> Iterator[str]:
@@ -55,12 +46,9 @@ def verify(network: Network, options: NetworkOptions, emitted: Emitted) -> Itera
     for name, value in expected.items():
         emitted.attribute(monitor, name, value)
     _sources(emitted, monitor, network, options)
-    nodes = tuple(number.values())
     outputs = tuple(sorted(number[name] for name in options.inferred))
     observable = tuple(sorted(number[name] for name in options.observable))
-    _Program(emitted, network, outputs, observable).take(monitor, "foreseen")
-    if "everything" in monitor.attributes or not outputs == observable == nodes:
-        _Program(emitted, network, nodes, nodes).take(monitor, "everything")
+    _Program(emitted, network, outputs, observable).take(monitor)
     emitted.end(monitor)
     shown = ", ".join(network.nodes[k].id for k in outputs)
     yield f"{shown} for any evidence of {len(observable)} nodes, to {_CLOSE:g} of each number"
@@ -72,7 +60,7 @@ def _sources(emitted: Emitted, monitor: Class, network: Network, options: Networ
     rows, reads = [], ""
     for k, node in enumerate(network.nodes):
         input_id = options.input_of(node.id)
-        if input_id is None or node.id not in options.observable:
+        if input_id is None:
             continue
         place = Call(f"self.inputs[{places[input_id]}]")
         entry = next((of.reader for of in options.declarations if of.node == node.id), None)
@@ -94,123 +82,136 @@ def _sources(emitted: Emitted, monitor: Class, network: Network, options: Networ
         monitor.body("read", "self, source", f"try:\n    return ({reads})\n{otherwise}")
 
 
+class _Part(NamedTuple):
+    """Nodes that no evidence connects with others, ascending."""
+
+    nodes: Sequence[int]
+    inputs: Sequence[int]  # that may be observed
+    outputs: tuple[int, ...]
+    roots: Sequence[int]  # inputs whose prior goes with their evidence
+
+
 class _Program:
-    """What is inferred, in one part: nodes are numbers, and a table has an axis for each."""
+    """What is inferred: nodes are numbers, and a table has an axis for each."""
 
     def __init__(
         self, emitted: Emitted, network: Network, outputs: Sequence[int], observable: Sequence[int]
     ) -> None:
         self.emitted, self.outputs, self.observable = emitted, outputs, observable
-        names, self.cards = network.names(), [len(node.states) for node in network.nodes]
-        parents = (map(names.index, node.parents) for node in network.nodes)
-        self.families = {k: (*of, k) for k, of in enumerate(parents)}
-        self.nodes = sorted(reached(self.families, [*outputs, *observable]))
-        shapes = ([self.cards[axis] for axis in of] for of in self.families.values())
-        tables = (np.array(node.table) for node in network.nodes)
-        self.tables = [of.reshape(shape) for of, shape in zip(tables, shapes, strict=True)]
+        self.factors = factors_of(network)
+        self.parents = {k: axes[:-1] for k, (axes, _) in enumerate(self.factors)}
+        self.scheduled: set[int] = set()  # nodes whose tables are in the text
 
-    def take(self, monitor: Class, name: str) -> None:
-        """Take a program, its part, and what is written out for all cases of evidence."""
-        node = monitor.attributes.pop(name, ast.Constant(None))
-        given = getattr(data(node), "keywords", {})
-        if len(given.get("parts", ())) != 1:
-            raise UnprovedError(node, "it has independent parts")
-        self._part(self.emitted.values.pop(str(*given["parts"]), node))
-        same = {"outputs": self.outputs, "observable": self.observable, "parts": given["parts"]}
-        if "cases" in given:
-            same["cases"] = given["cases"]
-            self._cases(self.emitted.values.pop(str(given["cases"]), node))
-        self.emitted.same(name, node, Call(f"{_KIND}.Program", (), same))
+    def take(self, monitor: Class) -> None:
+        """Take the program: parts that share no node; what is in none is always possible."""
+        node = monitor.attributes.pop("foreseen", ast.Constant(None))
+        parts = data(node).keywords["parts"]
+        left = reached(self.parents, [*self.outputs, *self.observable])
+        for name in parts:
+            left -= self._part(self.emitted.values.pop(str(name), node), left)
+        axes = {axis for of in left for axis in self.factors[of][0]}
+        is_sure = all(self.factors[of][1].min() > 0.0 for of in left)
+        if not is_sure or axes - left or left.intersection(self.outputs):
+            self.emitted.differs(node, "a part of the network is missing")
+        same = {"outputs": self.outputs, "observable": self.observable, "parts": parts}
+        self.emitted.same("foreseen", node, Call(f"{_KIND}.Program", (), same))
+        if self.scheduled:
+            self._nodes(self.emitted.values.pop("nodes", node))
 
-    def _joint(self, nodes: Sequence[int], observed: Sequence[int], output: int) -> Array:
-        """Return P(output, evidence) with an axis for each observed node: its states, or none.
-
-        The table of an observed node that is not one of ``nodes`` goes with its evidence.
-        """
-        number, cases = len(self.cards), math.prod(self.cards[k] + 1 for k in observed)
-        if 2 * number > _MOST_AXES or cases > _MOST_CASES:
-            raise UnprovedError(None, "the network is too large")
-        operands: list[Any] = [of for k in nodes for of in (self.tables[k], self.families[k])]
-        for k in observed:
-            prior = np.ones(self.cards[k]) if k in nodes else self.tables[k]
-            operands += [np.vstack([np.diag((prior > 0.0) * 1.0), prior]), (number + k, k)]
-        kept = [*(number + k for k in observed), output]
-        result: Array = np.einsum(*operands, kept, optimize="greedy")
-        return result
-
-    def _part(self, node: ast.expr) -> None:
-        """Take a part: the tables of its outputs, each by what is observed of the other nodes."""
-        (made,) = data(node).args
-        if made.name != "tables.Tables":
-            raise UnprovedError(node, "it is inferred by operations of numpy")
-        roots = [k for k in self.observable if len(self.families[k]) == 1 and k not in self.outputs]
-        rest = [of for of in self.nodes if of not in roots]
-        place, tables = self.observable.index, []
-        for table, output in zip(made.args[0], self.outputs, strict=True):
-            axes = [of for of in self.observable if of != output]
-            rows = self._joint(rest, axes, output)
-            steps = ((place(k), math.prod(rows.shape[at:-1])) for at, k in enumerate(axes, 1))
-            tables.append(Call("tables.Table", (tuple(steps),), table.keywords))
-            named = {key: str(of) for key, of in table.keywords.items()}
-            if not named or not named.keys() <= {"rows", "total"}:
-                raise UnprovedError(node)
-            if "rows" in named:
-                numbers = self.emitted.values.pop(named["rows"], node)
-                self._same(numbers, data(numbers), rows.reshape(-1, rows.shape[-1]))
-            if "total" in named:
-                function = self.emitted.functions.pop(named["total"], node)
-                self._total(function, rows[(slice(-1),) * len(axes)])
-        self._look_up(self.emitted.functions.pop(str(made.args[2]), node), tables)
-        priors = {place(k): tuple(self.tables[k].tolist()) for k in roots}
-        expected = Call("tables.Tables", (tuple(tables), priors, made.args[2]))
-        smallest = (self.tables[of][self.tables[of] > 0.0].min() for of in self.nodes)
+    def _part(self, node: ast.expr, left: set[int]) -> set[int]:
+        """Take a part, with tables of its outputs or with messages; return its nodes."""
+        (made,), fields = data(node).args, data(node).keywords
+        starts = [*(self.observable[k] for k in fields["inputs"]), *fields["outputs"]]
+        nodes = reached(self.parents, starts)
+        if not nodes <= left:
+            raise UnprovedError(node, "it shares nodes with another part")
+        inputs = [k for k in self.observable if k in nodes]
+        outputs = tuple(k for k in self.outputs if k in nodes) or fields["outputs"][:1]
+        roots = [k for k in inputs if not self.parents[k] and k not in outputs]
+        part = _Part(sorted(nodes), inputs, outputs, roots)
+        take = self._tables if made.name == "tables.Tables" else self._messages
+        smallest = (of[of > 0.0].min() for of in (self.factors[k][1] for k in nodes))
         least = math.floor(math.fsum(map(math.log2, smallest)) + _CLOSE)
-        inputs = tuple(range(len(self.observable)))
-        fields = {"inputs": inputs, "outputs": self.outputs, "least": least}
-        self.emitted.same("the part", node, Call(f"{_KIND}.Part", (expected,), fields))
+        same = {"inputs": self._places(inputs), "outputs": outputs, "least": least}
+        self.emitted.same("the part", node, Call(f"{_KIND}.Part", (take(node, made, part),), same))
+        return nodes
 
-    def _same(self, node: ast.AST, got: Any, expected: Array) -> None:
-        numbers = np.array(got)
-        if numbers.dtype != float or numbers.shape != expected.shape:
-            raise UnprovedError(node, f"it has not {expected.shape} numbers")
-        wrong = ~(abs(numbers - expected) <= _CLOSE * expected)
-        if wrong.any():
-            text = f"a number is {numbers[wrong][0]}, the model says {expected[wrong][0]:.15g}"
-            self.emitted.differs(node, text)
+    def _places(self, nodes: Sequence[int]) -> tuple[int, ...]:
+        return tuple(map(self.observable.index, nodes))
 
-    def _total(self, function: ast.AST, weights: Array) -> None:
-        """Take the function that sums all products of vectors of the inputs with a table."""
-        *counts, card = weights.shape
-        vectors = [variables([(k, of) for of in range(n)]) for k, n in enumerate(counts)]
-        sums, got = returned(function, "v", {"v": vectors}), np.zeros_like(weights)
-        for state, of in zip(range(card), sums, strict=True):
-            for product, coefficient in of.items():
-                if [axis for axis, _ in product] != [*range(len(counts))]:
-                    raise UnprovedError(function, "it is no sum over all inputs")
-                got[(*(k for _, k in product), state)] = float(coefficient)
-        self._same(function, got, weights)
+    def _tables(self, node: ast.expr, made: Call, part: _Part) -> Call:
+        """Take P(output, evidence) of each output."""
+        tables = []
+        given: Any = made.args
+        for table, output in zip(given[0], part.outputs, strict=True):
+            axes = [k for k in part.inputs if k != output]
+            factors = [self.factors[k] for k in part.nodes if k not in part.roots]
+            for k in axes:  # the axis of what is observed: its states, and none
+                prior = self.factors[k][1] if k in part.roots else np.ones(self._card(k))
+                observed = np.vstack([np.diag((prior > 0.0) * 1.0), prior])
+                factors.append(((~k, k), observed))
+            rows = summed(factors, [*(~k for k in axes), output])
+            numbers = self.emitted.values.pop(str(table.args[1]), node)
+            got, expected = np.array(data(numbers)), rows.reshape(-1, self._card(output))
+            if got.dtype != float or got.shape != expected.shape:
+                raise UnprovedError(numbers, f"it has not {expected.shape} numbers")
+            if (wrong := ~(abs(got - expected) <= _CLOSE * expected)).any():
+                text = f"a number is {got[wrong][0]}, the model says {expected[wrong][0]:.15g}"
+                self.emitted.differs(numbers, text)
+            tables.append(Call("tables.Table", (self._places(axes), table.args[1])))
+        priors = {self.observable.index(k): tuple(self.factors[k][1].tolist()) for k in part.roots}
+        return Call("tables.Tables", (tuple(tables), priors))
 
-    def _look_up(self, function: ast.AST, tables: Sequence[Call]) -> None:
-        """Take the function that finds the row of each table by the states that are observed."""
-        sums = [" + ".join(f"s[{k}] * {by}" for k, by in (of.args or ())[0]) for of in tables]
-        cases = {of: f"k{k}" for k, of in enumerate(dict.fromkeys(sums))}
-        lines = "".join(f"        {name} = {of or 0}\n" for of, name in cases.items())
-        rows = ", ".join(f"t{k}[{cases[of]}]" for k, of in enumerate(sums))
-        names = "".join(f"t{k}, " for k in range(len(sums)))
-        inner = f"    def look_up(s):\n{lines}        return [{rows}]\n    return look_up"
-        head = f"def {getattr(function, 'name', '')}(*tables):\n    {names}= tables\n"
-        if ast.unparse(function) != ast.unparse(ast.parse(head + inner)):
-            raise UnprovedError(function, "it looks up other rows")
+    def _card(self, node: int) -> int:
+        return int(self.factors[node][1].shape[-1])
 
-    def _cases(self, node: ast.expr) -> None:
-        """Take the posteriors that are written out for all cases of evidence."""
-        joint = [self._joint(self.nodes, self.observable, output) for output in self.outputs]
-        got, cases = data(node), [*itertools.product(*map(range, joint[0].shape[:-1]))]
-        if repr([*got]) != repr(cases):
-            raise UnprovedError(node, "it has other cases")
-        for case in cases:
-            if (got[case] is None) is bool(joint[0][case].any()):
-                self.emitted.differs(node, f"the model says otherwise whether {case} is possible")
-            elif got[case] is not None:
-                for written, of in zip(got[case], joint, strict=True):
-                    self._same(node, written, of[case] / of[case].sum())
+    def _messages(self, node: ast.expr, made: Call, part: _Part) -> Call:
+        """Take messages: products of leaves, summed over nodes that no other leaf has."""
+        self.scheduled.update(part.nodes)
+        axes_of = {("table", k): {*self.factors[k][0]} for k in part.nodes if k not in part.roots}
+        axes_of |= {("prior" if k in part.roots else "evidence", k): {k} for k in part.inputs}
+        places = {("unit", k): {k} for k in part.outputs}  # of ones
+        taken: list[tuple[set[tuple[str, int]], set[int], bool]] = []  # leaves, axes, known
+        given: Any = made.args
+        _, name, answers = given
+        value = self.emitted.values.pop(str(name), node)
+        for row in data(value):
+            kind, parts, nodes, _, is_known = row
+            axes = {*nodes}
+            if kind == "product":
+                parts = (first, second) = sorted(parts)
+                (leaves, own, a), (others, more, b) = taken[first], taken[second]
+                is_right = first >= 0 and not leaves & others and axes <= own | more
+                leaves, can_be_known = leaves | others, a and b
+                gone = (own | more) - axes
+                is_right &= all(leaf in leaves or not gone & of for leaf, of in axes_of.items())
+            else:
+                leaf, can_be_known = (kind, *(parts or nodes)), True
+                is_right = is_known and axes == {**axes_of, **places}.get(leaf)
+                leaves, parts = {leaf} - places.keys(), leaf[1:] if kind == "table" else ()
+            seen = sorted(k for of, k in leaves if of != "table")
+            is_known = can_be_known and (is_known or not seen)
+            seen = seen if is_known else []
+            expected = (kind, tuple(parts), tuple(sorted(axes)), tuple(seen), is_known)
+            if not is_right or repr(row) != repr(expected):
+                raise UnprovedError(value, f"message {len(taken)} is no sum over its nodes")
+            taken.append((leaves, axes, is_known))
+        for output, answer in zip(part.outputs, answers, strict=True):
+            leaves, axes, _ = taken[answer]
+            if axes != {output} or leaves != axes_of.keys() - {("evidence", output)} or answer < 0:
+                raise UnprovedError(node, "its answers are no posteriors")
+        return Call("schedule.Schedule", (Call("nodes"), name, answers))
+
+    def _nodes(self, node: ast.expr) -> None:
+        """Take the tables that messages are made of."""
+        for k, (parents, rows) in data(node).items():
+            table = self.factors[k][1].reshape(-1, self._card(k)).tolist()
+            expected: list[object] = [*map(tuple, table)]
+            given = rows
+            if isinstance(rows, Call) and rows.name == "schedule.rows_of":
+                (text,) = rows.args or ()
+                given = tuple(tuple(map(float, line.split())) for line in text.splitlines())
+            if repr((parents, given)) != repr((self.parents[k], tuple(expected))):
+                self.emitted.differs(node, f"the table of node {k} is another one")
+        if {*data(node)} != self.scheduled:
+            raise UnprovedError(node, "it has the tables of other nodes")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from eddi_scaffold.common.escaping import xml_text
+from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.kinds.bayesian_network.network import TARGET, TITLE, Network, Node, xdsl_ids
 
@@ -39,7 +40,8 @@ def _numbers(node: Node) -> str:
 
 
 def _xdsl_lines(network: Network) -> Iterator[str]:
-    ids, order = xdsl_ids(network.names()), network.in_order()
+    ids = xdsl_ids(network.names())
+    order = [*map(network.node, in_order({node.id: node.parents for node in network.nodes}))]
     (name,) = xdsl_ids([network.name]).values()
     yield '<?xml version="1.0" encoding="UTF-8"?>'
     yield f'<smile version="1.0" id="{xml_text(name)}" numsamples="10000" discsamples="10000">'

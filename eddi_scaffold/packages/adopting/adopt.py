@@ -78,8 +78,11 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     by_class = next((choice for choice in choices if published <= _guarantees(model, choice)), {})
     methods = [method for module in model.editable_modules() for method in module.methods]
     nodes = {method.name.removeprefix("node_"): method.about for method in methods}
-    observed = [nodes[node] for node in _observed(old.config) if node in nodes]
-    options = {**by_class, **({"observed": observed} if observed else {})}
+    uses = dict(_uses(old.config))
+    options: dict[str, JsonValue] = {**by_class}
+    for k, key in enumerate(("observed", "outputs")):
+        if named := [nodes[node] for node, holds in uses.items() if holds[k] and node in nodes]:
+            options[key] = named
     notes: list[str] = []
     bodies: list[Body] = []
     rejects: dict[str, str] = {}
@@ -194,8 +197,8 @@ def _bodies(module: ParsedModule, prefix: str) -> Iterator[Body]:
                 yield Body(region, module.path.name, kept=True)
 
 
-def _observed(config: ParsedModule | None) -> Iterator[str]:
-    """Yield the nodes of a network, as named in Python, of which code sets an outcome.
+def _uses(config: ParsedModule | None) -> Iterator[tuple[str, tuple[bool, bool]]]:
+    """Yield the nodes of a network, as named in Python: does code set an outcome, the output flag.
 
     What counts is the body, not the frame around it.
     """
@@ -203,10 +206,17 @@ def _observed(config: ParsedModule | None) -> Iterator[str]:
         if method.name.startswith("node_") and method.region is not None:
             inside = (s for s in method.tree.body if s not in method.outside)
             nodes = (node for statement in inside for node in ast.walk(statement))
-            names = (node for node in nodes if isinstance(node, ast.Name))
-            assigned = {name.id for name in names if isinstance(name.ctx, ast.Store)}
-            if not _outcomes(method.tree).isdisjoint(assigned):
-                yield method.name.removeprefix("node_")
+            assigned = {
+                target.id: node.value
+                for node in nodes
+                if isinstance(node, ast.Assign)
+                for target in node.targets
+                if isinstance(target, ast.Name)
+            }
+            flag = assigned.get("is_bn_output")
+            is_output = isinstance(flag, ast.Constant) and flag.value is True
+            is_observed = not _outcomes(method.tree).isdisjoint(assigned)
+            yield method.name.removeprefix("node_"), (is_observed, is_output)
 
 
 def _outcomes(tree: ast.FunctionDef) -> set[str]:

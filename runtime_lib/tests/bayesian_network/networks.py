@@ -7,19 +7,18 @@ import math
 from fractions import Fraction
 from types import SimpleNamespace
 
+import pytest
 from eddi_runtime.bayesian_network.engine import Engine
 from eddi_runtime.bayesian_network.memory import Remembering
 from eddi_runtime.bayesian_network.readers import Discretiser
 
 from eddi_scaffold.kinds.bayesian_network import inference_plan
-from eddi_scaffold.kinds.bayesian_network.compile import FORMAT, MODULES, monitor_lines
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration as NodeDeclaration
 from eddi_scaffold.kinds.bayesian_network.discretisation import reader_of
 from eddi_scaffold.kinds.bayesian_network.inference_plan import Width
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node, NumberedNetwork, Shape
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, Threshold
-from eddi_scaffold.program.monitor_text import CompiledMonitor
-from runtime_lib.tests.bound_models import bound_input, bound_model, loaded
+from runtime_lib.tests.bound_models import bound_input, bound_model
 
 
 def node(name, states, parents=(), table=()):
@@ -49,7 +48,7 @@ def model(
     outputs=("Danger",),
     bins=None,
     direct=None,
-    observed=None,
+    observed=(),
     specs=None,
     thresholds=(),
     evidence_mode="virtual",
@@ -62,12 +61,11 @@ def model(
     fed = {*direct, *(one.node for one in declarations)}
     options = NetworkOptions(
         tuple(outputs),
-        tuple(name for name in network.names() if name in fed),
+        tuple(name for name in network.names() if name in {*fed, *observed}),
         declarations,
         direct,
         (),
         Width(0, ()),
-        None if observed is None else tuple(observed),
         virtual=evidence_mode == "virtual",
         thresholds=tuple(thresholds),
         **more,
@@ -114,17 +112,12 @@ def nodes_of(net):
     ]
 
 
-def compiled(net, outputs, observable, **options):
-    """Return a compiled network by itself: inference for some outputs and observable nodes."""
-    program = inference_plan.foreseen(net, outputs, observable, **options)
-    made = model_of(net, program.outputs)
-    lines = monitor_lines(made.model.data, made.model.options, made.declaration, program)
-    parts = CompiledMonitor(FORMAT, lines, MODULES)
-    return loaded("bayesian_network", parts, made.declaration).Monitor()
-
-
-def engine(net, outputs, observable, **options):
-    made = compiled(net, outputs, observable, **options)
+def engine(net, outputs, observable, *, tables=True):
+    """Return inference for some outputs and observable nodes."""
+    with pytest.MonkeyPatch.context() as patch:
+        if not tables:
+            patch.setattr(inference_plan, "fits", lambda *_: False)
+        made = model_of(net, outputs, observable).monitor()
     return Engine(made.nodes, made.foreseen)
 
 

@@ -183,7 +183,7 @@ class Made:
 
 def test_what_a_method_leaves_open_is_unknown():
     hooks = Made()
-    one = risk(direct={"Near": "near"}, hooks=hooks)
+    one = risk(direct={"Near": "near"}, observed=["Human"], hooks=hooks)
     assert step(one, near="no").high == pytest.approx(0.2)
     assert one.facts().unknown_inputs == ("Human",)
     hooks.said = {"yes": 0.0, "no": 1.0}

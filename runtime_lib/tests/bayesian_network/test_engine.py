@@ -13,8 +13,6 @@ from eddi_runtime.bayesian_network.tables import JointTables
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.bayesian_network import inference_plan
-from eddi_scaffold.kinds.bayesian_network.joint_tables import fits
 from runtime_lib.tests.bayesian_network.networks import (
     engine,
     exactly,
@@ -50,27 +48,6 @@ def test_posteriors_are_exact(seed, count):
             rows = made.infer(*case)
             assert (rows is None) == (want is None)
             assert rows is None or furthest(rows, want) < 1e-12
-
-
-@pytest.mark.parametrize("tables", [False, True])
-@given(seed=st.integers(0, 10**9))
-def test_steps_in_which_every_input_is_observed(tables, seed):
-    rng = random.Random(seed)
-    count = rng.randint(2, 7)
-    net = random_network(rng, count, most_states=3, zeros=rng.choice([0.0, 0.3]))
-    outputs = sorted(rng.sample(range(count), rng.randint(0, min(count, 3))))
-    observable = sorted(rng.sample(range(count), rng.randint(1, count)))
-    with pytest.MonkeyPatch.context() as patch:
-        # A small part would be one table; so it goes the way of a large one.
-        patch.setattr(
-            inference_plan, "fits", lambda *of: tables and bool(of[2].always_observed) and fits(*of)
-        )
-        made = engine(net, outputs, observable)
-    for _ in range(3):
-        states = [rng.randrange(net.shape.cards[node]) for node in observable]
-        want, rows = exactly(net, outputs, observable, states, {}), made.infer(states)
-        assert (rows is None) == (want is None)
-        assert rows is None or furthest(rows, want) < 1e-12
 
 
 def test_an_observed_node_may_have_very_many_states():

@@ -232,3 +232,16 @@ def test_the_order_of_discretised_nodes_decides_nothing() -> None:
         assert monitor is not None
         digests.add(monitor.facts.digest)
     assert len(digests) == 1
+
+
+def test_methods_may_observe_what_is_named_else_all_that_is_no_output() -> None:
+    model = read_path(EXAMPLE / "pedestrian.xml")
+    for values, expected in (
+        ({}, ("AV_Shuttle_Speed", "Distance_to_Pedestrian")),
+        ({"observed": ["AV_Shuttle_Speed"]}, ("AV_Shuttle_Speed",)),
+    ):
+        monitor, _ = joined(model, config(values))
+        assert monitor is not None
+        settings = monitor.model.settings  # type: ignore[attr-defined]
+        assert (settings.outputs, settings.observable) == (("Critical",), expected)
+        assert running(monitor).engine.observable == tuple(range(len(expected)))

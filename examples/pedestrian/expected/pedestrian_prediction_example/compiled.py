@@ -4,161 +4,40 @@ import eddi_runtime
 from eddi_runtime import InputSpec, bayesian_network
 from eddi_runtime.bayesian_network import readers, tables
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 3})
-# sha256 of the lines below: 954b22511dc9e9136a6e73a18689babfdf564f7ed84277856336c0e8b17b6b79
+eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 4})
+# sha256 of the lines below: 49acecfff04bc2436c556a0891b513e0886e94ea1b3383e7ad2df389278d4485
 
 
-def part_0_0_total(v):
-    # AV_Shuttle_Speed
-    v0_0, v0_1, v0_2, v0_3 = v[0]
-    # Distance_to_Pedestrian
-    v1_0, v1_1, v1_2 = v[1]
-    # Critical = Yes
-    p0 = v0_0 * (v1_0 * 0.2 + v1_1 * 0.05 + v1_2 * 0.05) + v0_1 * (v1_0 * 0.5 + v1_1 * 0.2 + v1_2 * 0.05)
-    p0 = p0 + v0_2 * (v1_0 * 0.7 + v1_1 * 0.4 + v1_2 * 0.2) + v0_3 * (v1_0 * 0.95 + v1_1 * 0.8 + v1_2 * 0.45)
-    # Critical = No
-    p1 = v0_0 * (v1_0 * 0.8 + v1_1 * 0.95 + v1_2 * 0.95) + v0_1 * (v1_0 * 0.5 + v1_1 * 0.8 + v1_2 * 0.95)
-    p1 = p1 + v0_2 * (v1_0 * 0.3 + v1_1 * 0.6 + v1_2 * 0.8) + v0_3 * (v1_0 * 0.05 + v1_1 * 0.2 + v1_2 * 0.55)
-    return [p0, p1]
-
-
-def part_0_look_up(*tables):
-    # t0: Critical by AV_Shuttle_Speed, Distance_to_Pedestrian
-    (t0,) = tables
-
-    def look_up(s):
-        k0 = s[0] * 4 + s[1] * 1
-        return [t0[k0]]
-
-    return look_up
+# P(Critical, evidence) by AV_Shuttle_Speed, Distance_to_Pedestrian
+part_0_0 = (
+    (0.2, 0.8),  # NotDriving, range_0_to_1_m
+    (0.05, 0.95),  # NotDriving, range_1_to_2_m
+    (0.05, 0.95),  # NotDriving, more_than_2_m
+    (0.08000000000000002, 0.9199999999999999),  # NotDriving, not known
+    (0.5, 0.5),  # range_0_to_2_kmh, range_0_to_1_m
+    (0.2, 0.8),  # range_0_to_2_kmh, range_1_to_2_m
+    (0.05, 0.95),  # range_0_to_2_kmh, more_than_2_m
+    (0.185, 0.815),  # range_0_to_2_kmh, not known
+    (0.7, 0.3),  # range_2_to_4_kmh, range_0_to_1_m
+    (0.4, 0.6),  # range_2_to_4_kmh, range_1_to_2_m
+    (0.2, 0.8),  # range_2_to_4_kmh, more_than_2_m
+    (0.36, 0.64),  # range_2_to_4_kmh, not known
+    (0.95, 0.05),  # more_than_4_kmh, range_0_to_1_m
+    (0.8, 0.2),  # more_than_4_kmh, range_1_to_2_m
+    (0.45, 0.55),  # more_than_4_kmh, more_than_2_m
+    (0.655, 0.34500000000000003),  # more_than_4_kmh, not known
+    (0.6399999999999999, 0.36),  # not known, range_0_to_1_m
+    (0.38500000000000006, 0.615),  # not known, range_1_to_2_m
+    (0.19000000000000003, 0.81),  # not known, more_than_2_m
+    (0.3385, 0.6615),  # not known, not known
+)
 
 
 # Critical
 part_0 = bayesian_network.Part(
-    tables.Tables(
-        (tables.Table(((0, 4), (1, 1)), total=part_0_0_total),),
-        {0: (0.1, 0.3, 0.4, 0.2), 1: (0.2, 0.3, 0.5)},
-        part_0_look_up,
-    ),
+    tables.Tables((tables.Table((0, 1), part_0_0),), {0: (0.1, 0.3, 0.4, 0.2), 1: (0.2, 0.3, 0.5)}),
     inputs=(0, 1),
     outputs=(2,),
-    least=-10,
-)
-
-
-# Posteriors of Critical
-cases = {
-    (0, 0): ((0.2, 0.8),),  # NotDriving, range_0_to_1_m
-    (0, 1): ((0.05, 0.95),),  # NotDriving, range_1_to_2_m
-    (0, 2): ((0.05, 0.95),),  # NotDriving, more_than_2_m
-    (0, 3): ((0.08000000000000002, 0.9199999999999999),),  # NotDriving, not known
-    (1, 0): ((0.5, 0.5),),  # range_0_to_2_kmh, range_0_to_1_m
-    (1, 1): ((0.2, 0.8),),  # range_0_to_2_kmh, range_1_to_2_m
-    (1, 2): ((0.05, 0.95),),  # range_0_to_2_kmh, more_than_2_m
-    (1, 3): ((0.185, 0.815),),  # range_0_to_2_kmh, not known
-    (2, 0): ((0.7, 0.3),),  # range_2_to_4_kmh, range_0_to_1_m
-    (2, 1): ((0.4, 0.6),),  # range_2_to_4_kmh, range_1_to_2_m
-    (2, 2): ((0.2, 0.8),),  # range_2_to_4_kmh, more_than_2_m
-    (2, 3): ((0.36, 0.64),),  # range_2_to_4_kmh, not known
-    (3, 0): ((0.95, 0.05),),  # more_than_4_kmh, range_0_to_1_m
-    (3, 1): ((0.8, 0.2),),  # more_than_4_kmh, range_1_to_2_m
-    (3, 2): ((0.45, 0.55),),  # more_than_4_kmh, more_than_2_m
-    (3, 3): ((0.655, 0.34500000000000003),),  # more_than_4_kmh, not known
-    (4, 0): ((0.64, 0.36000000000000004),),  # not known, range_0_to_1_m
-    (4, 1): ((0.38500000000000006, 0.615),),  # not known, range_1_to_2_m
-    (4, 2): ((0.19000000000000003, 0.81),),  # not known, more_than_2_m
-    (4, 3): ((0.3385, 0.6615),),  # not known, not known
-}
-
-
-def all_part_0_0_total(v):
-    # Distance_to_Pedestrian
-    v0_0, v0_1, v0_2 = v[0]
-    # Critical
-    v1_0, v1_1 = v[1]
-    # AV_Shuttle_Speed = NotDriving
-    p0 = v0_0 * (v1_0 * 0.004000000000000001 + v1_1 * 0.016000000000000004)
-    p0 = p0 + v0_1 * (v1_0 * 0.0015000000000000002 + v1_1 * 0.028499999999999998)
-    p0 = p0 + v0_2 * (v1_0 * 0.0025000000000000005 + v1_1 * 0.0475)
-    # AV_Shuttle_Speed = range_0_to_2_kmh
-    p1 = v0_0 * (v1_0 * 0.03 + v1_1 * 0.03) + v0_1 * (v1_0 * 0.018 + v1_1 * 0.072)
-    p1 = p1 + v0_2 * (v1_0 * 0.0075 + v1_1 * 0.1425)
-    # AV_Shuttle_Speed = range_2_to_4_kmh
-    p2 = v0_0 * (v1_0 * 0.055999999999999994 + v1_1 * 0.024) + v0_1 * (v1_0 * 0.04800000000000001 + v1_1 * 0.072)
-    p2 = p2 + v0_2 * (v1_0 * 0.04000000000000001 + v1_1 * 0.16000000000000003)
-    # AV_Shuttle_Speed = more_than_4_kmh
-    p3 = v0_0 * (v1_0 * 0.038000000000000006 + v1_1 * 0.0020000000000000005)
-    p3 = p3 + v0_1 * (v1_0 * 0.04800000000000001 + v1_1 * 0.012000000000000002)
-    p3 = p3 + v0_2 * (v1_0 * 0.045000000000000005 + v1_1 * 0.05500000000000001)
-    return [p0, p1, p2, p3]
-
-
-def all_part_0_1_total(v):
-    # AV_Shuttle_Speed
-    v0_0, v0_1, v0_2, v0_3 = v[0]
-    # Critical
-    v1_0, v1_1 = v[1]
-    # Distance_to_Pedestrian = range_0_to_1_m
-    p0 = v0_0 * (v1_0 * 0.004000000000000001 + v1_1 * 0.016000000000000004) + v0_1 * (v1_0 * 0.03 + v1_1 * 0.03)
-    p0 = p0 + v0_2 * (v1_0 * 0.055999999999999994 + v1_1 * 0.024)
-    p0 = p0 + v0_3 * (v1_0 * 0.038000000000000006 + v1_1 * 0.0020000000000000005)
-    # Distance_to_Pedestrian = range_1_to_2_m
-    p1 = v0_0 * (v1_0 * 0.0015000000000000002 + v1_1 * 0.028499999999999998) + v0_1 * (v1_0 * 0.018 + v1_1 * 0.072)
-    p1 = p1 + v0_2 * (v1_0 * 0.04800000000000001 + v1_1 * 0.072)
-    p1 = p1 + v0_3 * (v1_0 * 0.04800000000000001 + v1_1 * 0.012000000000000002)
-    # Distance_to_Pedestrian = more_than_2_m
-    p2 = v0_0 * (v1_0 * 0.0025000000000000005 + v1_1 * 0.0475) + v0_1 * (v1_0 * 0.0075 + v1_1 * 0.1425)
-    p2 = p2 + v0_2 * (v1_0 * 0.04000000000000001 + v1_1 * 0.16000000000000003)
-    p2 = p2 + v0_3 * (v1_0 * 0.045000000000000005 + v1_1 * 0.05500000000000001)
-    return [p0, p1, p2]
-
-
-def all_part_0_2_total(v):
-    # AV_Shuttle_Speed
-    v0_0, v0_1, v0_2, v0_3 = v[0]
-    # Distance_to_Pedestrian
-    v1_0, v1_1, v1_2 = v[1]
-    # Critical = Yes
-    x0 = v1_0 * 0.004000000000000001 + v1_1 * 0.0015000000000000002 + v1_2 * 0.0025000000000000005
-    p0 = v0_0 * x0 + v0_1 * (v1_0 * 0.03 + v1_1 * 0.018 + v1_2 * 0.0075)
-    p0 = p0 + v0_2 * (v1_0 * 0.055999999999999994 + v1_1 * 0.04800000000000001 + v1_2 * 0.04000000000000001)
-    p0 = p0 + v0_3 * (v1_0 * 0.038000000000000006 + v1_1 * 0.04800000000000001 + v1_2 * 0.045000000000000005)
-    # Critical = No
-    p1 = v0_0 * (v1_0 * 0.016000000000000004 + v1_1 * 0.028499999999999998 + v1_2 * 0.0475)
-    p1 = p1 + v0_1 * (v1_0 * 0.03 + v1_1 * 0.072 + v1_2 * 0.1425)
-    p1 = p1 + v0_2 * (v1_0 * 0.024 + v1_1 * 0.072 + v1_2 * 0.16000000000000003)
-    p1 = p1 + v0_3 * (v1_0 * 0.0020000000000000005 + v1_1 * 0.012000000000000002 + v1_2 * 0.05500000000000001)
-    return [p0, p1]
-
-
-def all_part_0_look_up(*tables):
-    # t0: AV_Shuttle_Speed by Distance_to_Pedestrian, Critical
-    # t1: Distance_to_Pedestrian by AV_Shuttle_Speed, Critical
-    # t2: Critical by AV_Shuttle_Speed, Distance_to_Pedestrian
-    t0, t1, t2 = tables
-
-    def look_up(s):
-        k0 = s[1] * 3 + s[2] * 1
-        k1 = s[0] * 3 + s[2] * 1
-        k2 = s[0] * 4 + s[1] * 1
-        return [t0[k0], t1[k1], t2[k2]]
-
-    return look_up
-
-
-# AV_Shuttle_Speed, Distance_to_Pedestrian, Critical
-all_part_0 = bayesian_network.Part(
-    tables.Tables(
-        (
-            tables.Table(((1, 3), (2, 1)), total=all_part_0_0_total),
-            tables.Table(((0, 3), (2, 1)), total=all_part_0_1_total),
-            tables.Table(((0, 4), (1, 1)), total=all_part_0_2_total),
-        ),
-        {},
-        all_part_0_look_up,
-    ),
-    inputs=(0, 1, 2),
-    outputs=(0, 1, 2),
     least=-10,
 )
 
@@ -188,9 +67,7 @@ class Monitor(bayesian_network.BayesianNetworkMonitor):
         bayesian_network.NodeSpec("Critical", ("Yes", "No"), "Critical"),
     )
     given = (2,)
-    foreseen = bayesian_network.Program(outputs=(2,), observable=(0, 1), parts=(part_0,), cases=cases)
-    # For nodes that only a person's method observes, or makes an output.
-    everything = bayesian_network.Program(outputs=(0, 1, 2), observable=(0, 1, 2), parts=(all_part_0,))
+    foreseen = bayesian_network.Program(outputs=(2,), observable=(0, 1), parts=(part_0,))
 
     def sources(self):
         return (

@@ -4,7 +4,7 @@ from .engine import NodeSpec, Part, Program
 from .monitor import BayesianNetworkMonitor, Source
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
 
-FORMAT = 3
+FORMAT = 4
 
 __all__ = [
     "FORMAT", "BayesianNetworkMonitor", "BayesianNetworkOutput", "Monitor", "Node", "NodeSpec",

@@ -1,11 +1,12 @@
-"""Larger parts of a network: compiled numpy operations on arrays that are made at the start.
+"""Larger parts of a network: operations of numpy on arrays, both made when the monitor starts.
 
-Axes of an array are the nodes of its message, ascending, behind one for each of its inputs.
+Axes of a message are its nodes, ascending, behind one for each of its inputs.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Sequence
+import math
+from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -32,10 +33,10 @@ class Message(NamedTuple):
 
 
 class Running:
-    """The operations of a ``Schedule`` with their arrays, in which results stay in place."""
+    """The messages of a ``Schedule`` with their arrays, in which results stay in place."""
 
-    def __init__(self, made: Any, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
-        self._nodes, self._positions, self._wanted = made.nodes, positions, wanted
+    def __init__(self, made: Any, positions: Mapping[int, int]) -> None:
+        self.nodes, self.positions, self.answers = made.nodes, positions, made.answers
         self.messages = [Message(*row) for row in made.messages]  # by number
         # number of a message -> its numbers for every case of its inputs
         self.known: dict[int, Array] = {}
@@ -46,15 +47,12 @@ class Running:
                 self.known[number] = self._numbers(message)
             if message.kind in _EVIDENCE:
                 self.rows[message.nodes[0]] = self.known[number].tolist()
-        self._answers = [made.answers[k] for k in wanted] or made.answers
         sizes = [len(rows[0]) for rows in self.rows.values()]
         self._flat = np.zeros(sum(sizes))
-        self._vectors = dict(zip(self.rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
-        self._full = self._step(made.full or made.hard)
+        self.vectors = dict(zip(self.rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
+        self._full = _Steps(self, look_up=False).run
         # state of each observable node by position -> unnormalised rows
-        self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
-        if made.hard is not None:
-            self.hard = self._step(made.hard) if made.full else self._full
+        self.hard = _Steps(self, look_up=True).run
 
     def vector(self, node: int, position: int, states: States, weights: Weights) -> list[float]:
         rows = self.rows[node]
@@ -68,13 +66,13 @@ class Running:
             return self._product(message, self.known, cases=True)
         if message.kind == "table":
             (node,) = message.parts
-            parents, rows = self._nodes[node]
+            parents, rows = self.nodes[node]
             axes = (*parents, node)
-            array = np.array(rows).reshape([len(self._nodes[axis][1][0]) for axis in axes])
+            array = np.array(rows).reshape([len(self.nodes[axis][1][0]) for axis in axes])
             return array.transpose(
                 [axes.index(name) for name in (*message.inputs, *message.nodes)]
             )
-        first = np.array(self._nodes[message.nodes[0]][1][0])
+        first = np.array(self.nodes[message.nodes[0]][1][0])
         vector = first if message.kind == "prior" else np.ones(len(first))
         if message.kind == "unit":
             return vector
@@ -99,7 +97,7 @@ class Running:
     def soft(self, states: States, weights: Weights) -> Posteriors:
         values: list[float] = []
         for node in self.rows:
-            values += self.vector(node, self._positions[node], states, weights)
+            values += self.vector(node, self.positions[node], states, weights)
         self._flat[:] = values
         return self._full(states)
 
@@ -110,73 +108,115 @@ class Running:
         for number, message in enumerate(self.messages):
             if message.kind in _EVIDENCE:
                 (node,) = message.nodes
-                array: Any = np.array(self.vector(node, self._positions[node], states, weights))
+                array: Any = np.array(self.vector(node, self.positions[node], states, weights))
             elif message.kind == "product":
                 array = self._product(message, arrays, cases=False)
             else:
-                case = tuple(states[self._positions[node]] for node in message.inputs)
+                case = tuple(states[self.positions[node]] for node in message.inputs)
                 array = self.known[number][case]
             largest = array.max()
             wide = array.astype(np.longdouble)
             arrays[number] = wide / largest if largest > 0.0 else wide
-        if self._wanted:
-            return [[float(value) for value in arrays[answer]] for answer in self._answers]
-        total = arrays[self._answers[0]]
-        for answer in self._answers[1:]:
-            total = total * arrays[answer]
-        return [[float(total.sum() > 0.0)]]
+        return [[float(value) for value in arrays[answer]] for answer in self.answers]
 
-    def _step(self, steps: Any) -> Callable[[States], Posteriors]:
-        slots: list[Any] = []
-        for row in steps.slots:
-            slots.append(self._slot(row, slots))
-        if steps.bind is not None:
-            step: Callable[[States], Posteriors] = steps.bind(np, slots)
-            return step
-        answers = [slots[steps.answers[k]] for k in self._wanted]
-        needed: set[int] = set()  # messages that the answers are made of
-        waiting = list(self._answers)
+
+class _Steps:
+    """The operations of a step: products are multiplied as matrices, without copies if possible.
+
+    Known messages are looked up by the states of their inputs, or follow from evidence vectors.
+    """
+
+    def __init__(self, of: Running, *, look_up: bool) -> None:
+        self._of, self._look_up = of, look_up
+        # (arrays for each case, (position, distance) of each input, where to put the array)
+        self._look_ups: list[tuple[Any, list[tuple[int, int]], list[Any], int]] = []
+        self._operations: list[tuple[Any, list[Any]]] = []
+        self._axes: dict[int, tuple[tuple[int, ...], Any]] = {}  # of a message, and its numbers
+        needed, waiting = set(), list(of.answers)
         while waiting:
             number = waiting.pop()
-            if number not in needed and self.messages[number].kind == "product":
+            message = of.messages[number]
+            if message.kind == "product" and not self._is_known(message) and number not in needed:
                 needed.add(number)
-                waiting += self.messages[number].parts
-        operations = [
-            (getattr(np, name), [slots[operand] for operand in operands])
-            for message, name, *operands in steps.operations
-            if message in needed
-        ]
+                waiting += message.parts
+        for number in sorted(needed):
+            self._multiply(number)
+        self._answers: list[Any] = []
+        for number in of.answers:
+            self._operand(number, (of.messages[number].nodes,), self._answers)
 
-        def run(_: States) -> Posteriors:
-            for function, operands in operations:
-                function(*operands)
-            return [answer if type(answer) is list else answer.tolist() for answer in answers]
+    def run(self, states: States) -> Posteriors:
+        for arrays, strides, operands, place in self._look_ups:
+            case = 0
+            for position, stride in strides:
+                case += states[position] * stride
+            operands[place] = arrays[case]
+        for function, operands in self._operations:
+            function(*operands)
+        return [row.tolist() for row in self._answers]
 
-        return run
+    def _is_known(self, message: Message) -> bool:
+        return message.known and (self._look_up or not message.inputs)
 
-    def _slot(self, row: Sequence[Any], slots: Sequence[Any]) -> Any:
-        kind, source, *rest = row
-        if kind == "result":
-            return np.zeros(source)
-        if kind == "ones":
-            return np.ones(source)
-        if kind == "evidence":
-            return self._vectors[source].reshape(rest[0])
-        if kind == "piece":
-            axis, start, stop = rest
-            piece = (*(slice(None),) * axis, slice(start, stop))
-            of = slots[source]
-            return [array[piece] for array in of] if type(of) is list else of[piece]
-        if kind == "view":
-            view = slots[source].transpose(rest[0]).reshape(rest[1])
-            assert np.shares_memory(view, slots[source])
-            return view
-        known = self.known[source]
-        if kind == "row":
-            return known.tolist()
-        if kind == "rows":
-            return known.reshape([-1, known.shape[-1]]).tolist()
-        order, shape = rest
-        if kind == "constant":
-            return known.transpose(order).reshape(shape).copy()
-        return list(known.transpose(order).reshape([-1, *shape]).copy())
+    def _multiply(self, number: int) -> None:
+        message = self._of.messages[number]
+        (a, first), (b, second) = ((part, self._order(part)) for part in message.parts)
+        kept = {*message.nodes}
+        order = first if a in self._axes else second  # what is known can be laid out as needed
+        summed = tuple(node for node in order if node not in kept)
+        batch = tuple(node for node in first if node in kept and node in second)
+        left = tuple(node for node in first if node in kept and node not in second)
+        right = tuple(node for node in second if node in kept and node not in first)
+        operands: list[Any] = []
+        groups: tuple[tuple[int, ...], ...] = (batch, left, right)
+        if not summed:
+            function: Any = np.multiply
+            self._operand(a, (batch, left, ()), operands)
+            self._operand(b, (batch, (), right), operands)
+        elif batch:
+            function = np.matmul
+            self._operand(a, (batch, left, summed), operands)
+            self._operand(b, (batch, summed, right), operands)
+        else:
+            function, groups = np.dot, tuple(group for group in (left, right) if group)
+            self._operand(a, (left, summed) if left else (summed,), operands)
+            self._operand(b, (summed, right) if right else (summed,), operands)
+        axes = batch + left + right
+        result = np.zeros([self._size((node,)) for node in axes])
+        self._axes[number] = axes, result
+        operands.append(result.reshape([self._size(group) for group in groups]))
+        self._operations.append((function, operands))
+
+    def _order(self, number: int) -> tuple[int, ...]:
+        return self._axes[number][0] if number in self._axes else self._of.messages[number].nodes
+
+    def _size(self, nodes: Sequence[int]) -> int:
+        return math.prod(len(self._of.nodes[node][1][0]) for node in nodes)
+
+    def _operand(self, number: int, groups: Sequence[Sequence[int]], operands: list[Any]) -> None:
+        """Append a message whose axes are merged to groups."""
+        of, message = self._of, self._of.messages[number]
+        shape = [self._size(group) for group in groups]
+        nodes = [node for group in groups for node in group]
+        if number in self._axes or (message.kind in _EVIDENCE and not self._look_up):
+            axes, array = self._axes.get(number) or (message.nodes, of.vectors[message.nodes[0]])
+            turned = array.transpose([axes.index(node) for node in nodes])
+            view = turned.reshape(shape)
+            if not np.shares_memory(view, array):
+                copy = np.zeros(turned.shape)
+                self._operations.append((np.copyto, [copy, turned]))
+                view = copy.reshape(shape)
+            operands.append(view)
+            return
+        count, known = len(message.inputs), of.known[number]
+        order = [*range(count), *(count + message.nodes.index(node) for node in nodes)]
+        if not message.inputs:
+            operands.append(known.transpose(order).reshape(shape).copy())
+            return
+        strides, stride = [], 1
+        for node, size in zip(reversed(message.inputs), reversed(known.shape[:count])):
+            strides.append((of.positions[node], stride))
+            stride *= size
+        arrays = list(known.transpose(order).reshape([-1, *shape]).copy())
+        self._look_ups.append((arrays, strides, operands, len(operands)))
+        operands.append(None)

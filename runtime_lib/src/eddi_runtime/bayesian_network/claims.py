@@ -68,6 +68,14 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         super().__init__(hooks)
         self._timed = True
         self._doubtful = [source.reader for source in self._sources if source.reader.doubtful]
+        order = self.engine.outputs
+        self._picks = [(order.index(of.node), of.states) for of in self.thresholds]
+        self._tried_bounds: dict[Any, Pairs | None] = {}
+        readers = {node: source.reader for node, (_, source) in self._fed.items()}
+        self._places = [
+            (position, node, tuple(range(missing)), readers.get(node))
+            for position, (node, missing) in enumerate(zip(self.engine.observable, self._missing))
+        ]
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
         output = super().execute_step(eddi_input, t_ns)
@@ -224,14 +232,3 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             judge.reset()
         self._bounds = None
         self._reason, self._all_known, self._timely = UNKNOWN_INPUTS, False, True
-
-    def _prepare(self, outputs: set[int], observed: set[int]) -> None:
-        super()._prepare(outputs, observed)
-        order = self.engine.outputs
-        self._picks = [(order.index(of.node), of.states) for of in self.thresholds]
-        self._tried_bounds: dict[Any, Pairs | None] = {}
-        readers = {node: source.reader for node, (_, source) in self._fed.items()}
-        self._places = [
-            (position, node, tuple(range(missing)), readers.get(node))
-            for position, (node, missing) in enumerate(zip(self.engine.observable, self._missing))
-        ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Dict, Iterable, List, NamedTuple, Union
+from typing import TYPE_CHECKING, Dict, List, NamedTuple, Union
 
 from ..inputs import InputSpec, look_again, step_time
 from ..monitor import Field, Json, ModelError, Monitor, Tree, row_trees
@@ -38,7 +38,6 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
     nodes: tuple[NodeSpec, ...]  # of the network, in the order of the file
     given: tuple[int, ...]  # nodes whose posterior is always given
     foreseen: Program  # inference for what the model declares
-    everything: Program | None = None  # inference for any node; None where it would be too wide
     virtual = True  # several non-zero outcomes are likelihoods; False: D7.2's rule
     # the result on evidence of probability zero: ``silent``, ``prior`` or ``hold``
     on_inconsistent = "silent"
@@ -50,17 +49,26 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         self._fed = {source.node: (k, source) for k, source in enumerate(self._sources)}
         self._timed = any(source.reader.timed for source in self._sources)
         self._methods = None
-        outputs, observed = {*self.foreseen.outputs}, {*self.foreseen.observable}
-        self._judged_only = outputs.difference(self.given)
+        flagged: set[int] = set()
+        try:
+            self.engine = Engine(self.nodes, self.foreseen)
+        except ImportError as problem:
+            raise ModelError(self.model_id, str(problem)) from None
         if hooks is not None:
             self._methods = out.Methods(hooks, self.nodes, virtual=self.virtual)
-            observed |= self._methods.observed
-            outputs |= self._methods.outputs
-            self._judged_only -= self._methods.outputs
-        try:
-            self._prepare(outputs, observed)
-        except (ImportError, out.NotForeseenError) as problem:
-            raise ModelError(self.model_id, str(problem)) from None
+            flagged = self._methods.outputs
+            unknown = self._methods.observed.difference(self.engine.observable)
+            if unknown:
+                raise ModelError(self.model_id, self._not_foreseen("observed", unknown))
+        self._missing, self._known = self.engine.missing, frozenset(self.engine.outputs)
+        self._known_rows: dict[tuple[int, ...], Rows | None] = {}
+        self._shown = self._shown_with(set())
+        given = {*self.given, *flagged}
+        shown = [self.nodes[node] for node in self.engine.outputs if node in given]
+        self._given = [(node.id, node.states) for node in shown]
+        places = [self.engine.positions[source.node] for source in self._sources]
+        readers = [source.reader for source in self._sources]
+        self._readers = [(at, of.read, of.absent) for at, of in zip(places, readers)]
         self.reset()
 
     def reset(self) -> None:
@@ -96,15 +104,10 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
         if self._methods is not None:
             answer = self._methods.ask(eddi_input)
             if not answer.outputs <= self._known:
-                try:
-                    flagged = {*self.engine.outputs, *answer.outputs}
-                    self._prepare(flagged, {*self.engine.observable})
-                except (ImportError, out.NotForeseenError) as problem:
-                    last = self._last = out.Step(self._missing)
-                    last.answer, last.problem = answer, str(problem)
-                    return []
                 last = self._last = out.Step(self._missing)
-                self._good = None
+                unknown = answer.outputs.difference(self._known)
+                last.answer, last.problem = answer, self._not_foreseen("outputs", unknown)
+                return []
         states = list(self._missing)
         weights: dict[int, list[float]] = {}
         raw = self.read(eddi_input)
@@ -254,41 +257,12 @@ class BayesianNetworkMonitor(out.Monitor, Monitor[Output]):
                 reasons.setdefault(source.spec.id, reason)
         return reasons
 
-    def engine_for(self, outputs: set[int], observed: set[int]) -> Engine:
-        reason = self._not_foreseen(outputs, observed)
-        if not reason:
-            return Engine(self.nodes, self.foreseen)
-        if self.everything is None:
-            raise out.NotForeseenError(f"{reason}: name it there and run `eddi-scaffold upgrade`")
-        return Engine(self.nodes, self.everything, outputs, observed)
-
-    def _not_foreseen(self, outputs: Iterable[int], observed: Iterable[int]) -> str:
-        further = [("observed", k) for k in {*observed}.difference(self.foreseen.observable)]
-        further += [("outputs", k) for k in {*outputs}.difference(self.foreseen.outputs)]
-        return "; ".join(
-            f"node_{self.nodes[k].attribute} sets {self.nodes[k].id}, which was not foreseen:"
-            f" `{key}:` of the configuration does not name it"
-            for key, k in sorted(further)
+    def _not_foreseen(self, key: str, nodes: set[int]) -> str:
+        names = ", ".join([self.nodes[node].id for node in sorted(nodes)])
+        return (
+            f"methods set {names}, but `{key}:` of the configuration does not name it: name it"
+            " there and run `eddi-scaffold upgrade`"
         )
-
-    def _prepare(self, outputs: set[int], observed: set[int]) -> None:
-        engine, nodes = self.engine_for(outputs, observed), self.nodes
-        self.engine = engine
-        self._missing, self._positions = engine.missing, engine.positions
-        self._known = frozenset(engine.outputs)
-        self._known_rows: dict[tuple[int, ...], Rows | None] = {}
-        if engine.program is self.foreseen:
-            self._known_rows.update(self.foreseen.cases)
-        else:
-            import logging  # noqa: PLC0415 - what is foreseen needs it not
-
-            reason = self._not_foreseen(engine.outputs, engine.observable)
-            logging.getLogger(__name__).warning("%s, so steps take longer", reason)
-        self._shown = self._shown_with(set())
-        given = [nodes[node] for node in engine.outputs if node not in self._judged_only]
-        self._given = [(node.id, node.states) for node in given]
-        pairs = [(self._positions[source.node], source.reader) for source in self._sources]
-        self._readers = [(position, reader.read, reader.absent) for position, reader in pairs]
 
     def _shown_with(self, flagged: set[int]) -> list[tuple[int, str, tuple[str, ...]]]:
         """Return (place, title, states) of each output that is given in a step."""

@@ -26,10 +26,6 @@ class EvidenceError(ValueError):
     """Values are no evidence; the message names the state and the value."""
 
 
-class NotForeseenError(ValueError):
-    """A node is observed or asked for, and no inference was compiled for it."""
-
-
 def finding(values: Sequence[object], states: Sequence[str], *, virtual: bool = True) -> Finding:
     """Return the finding in one number per state, or raise EvidenceError.
 
