@@ -13,7 +13,6 @@ from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import Problem, did_you_mean
 from eddi_scaffold.common.units import duration, rate
 from eddi_scaffold.kinds.reliability import KEYS, system
-from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, FATAL
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 
 _Library = Mapping[str, system.ReliabilitySystem]
@@ -359,8 +358,8 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any]:
     fields: dict[str, Any] = {"configuration": configuration, "motors": motors}
     if configuration is None:
         pass  # it was reported
-    elif configuration not in FATAL:
-        fields["known"] = ", ".join(CONFIGURATIONS)
+    elif configuration not in system.FATAL:
+        fields["known"] = ", ".join(system.CONFIGURATIONS)
         entry.report("R001.configuration", "configuration", **fields)
     elif entry.has("rate") == entry.has("rates"):
         entry.report("R001.rate", name=name)

@@ -29,6 +29,21 @@ UNITS = {
 """Units of the numbers of ready-made models, as they are kept."""
 
 
+CONFIGURATIONS: Mapping[str, list[set[int]]] = {
+    "PNPN": [{0}, {1}, {2}, {3}],
+    "PNPNPN": [{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 0}],
+    "PPNNPN": [{4}, {5}, {0, 1}, {2, 3}],
+    "PPNNPPNN": [{0, 1}, {2, 3}, {4, 5}, {6, 7}],
+}
+"""Direction of rotation of each motor (P and N) -> least sets of motors whose loss is fatal.
+
+Motors are numbered as in the name, from 0. Source: Aslansefat et al. 2019.
+"""
+_MIRROR = str.maketrans("PN", "NP")
+FATAL = {**CONFIGURATIONS, **{c.translate(_MIRROR): of for c, of in CONFIGURATIONS.items()}}
+"""The same, with the mirror image of each frame, where P and N are exchanged."""
+
+
 @dataclass(frozen=True)
 class Law:
     """How probable a basic event is."""
