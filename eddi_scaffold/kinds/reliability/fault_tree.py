@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeVar
 
 COHERENT = frozenset({"OR", "AND", "VOTE"})
 CUT_SETS = 10_000  # Sets below any gate
-WORK = 10_000_000  # Sets that are made and compared for one tree, about a second
+WORK = 20_000_000  # Sets that are made and compared for one tree, about a second
 T = TypeVar("T", bound=Hashable)
 
 

@@ -1,8 +1,7 @@
 """Test vectors of a reliability model, of which each result follows from the definitions.
 
-Nothing changes in a run; where an input is unknown only follows that the result is not valid. What
-has none is for `verify`: propulsion, processors, heat, missions whose end is an input, chains that
-are observed over time, repair, and what is missed.
+They are those of the start of a mission; where an input is unknown, only that the result is not
+valid. All else is for `verify`: propulsion, processors, heat, missions whose end is an input, time.
 """
 
 from __future__ import annotations
@@ -17,12 +16,10 @@ from typing import TYPE_CHECKING, Any
 from eddi_scaffold.evidence.emitted import UnprovedError
 from eddi_scaffold.evidence.sums import variables
 from eddi_scaffold.evidence.vectors import (
-    Judge,
     Run,
     Step,
     TooMuchError,
     age_rows,
-    changed,
     fitting_file,
     merged,
 )
@@ -43,18 +40,16 @@ if TYPE_CHECKING:
 Values = Mapping[str, Any]
 Pattern = Mapping[str, tuple[Any, Any]]  # input -> its value as it is given, and as it is believed
 _PATTERNS, _MOST_TERMS, _MOST_RUNS = 81, 1_024, 1_000
-_LATE = 36_000 * 10**9
-_HOUR = D(3_600_000_000_000)
 _UNKNOWN = None, None
 _NUMBERS = ("p_fail", "p_fail_low", "p_fail_high")
 _WRONG: Sequence[Any] = (*({"is": of} for of in ("nan", "inf", "object", "absent")), "x", [], None)
 
 
 class _Definition:
-    """The models of a system, of which nothing changed since the start of the mission."""
+    """The models of a system at the start of a mission."""
 
-    def __init__(self, system: ReliabilitySystem, given: Values, age: D) -> None:
-        self.given, self.age, self.horizon = given, age, D(system.horizon)  # hours
+    def __init__(self, system: ReliabilitySystem, given: Values) -> None:
+        self.given, self.horizon = given, D(system.horizon)  # hours
         self.known: dict[str, D | None] = {}  # model -> that it fails; None where it is not valid
         for model in system.used_models():  # each behind those that it uses
             self.known[model.name] = getattr(self, f"_{model.type}")(model)
@@ -85,9 +80,9 @@ class _Definition:
         chain, number = exact.markov(of), of.states.index
         told = [(number(seen.state), self.given[seen.input], seen.negated) for seen in of.observe]
         excluded = {state for state, value, negated in told if value is negated}
-        hours, start = D(of.age) + self.age, number(of.initial[0])
+        start = number(of.initial[0])
         belief = {
-            state: exact.after(chain, hours, frozenset({state}))[start]
+            state: exact.after(chain, D(of.age), frozenset({state}))[start]
             for state in range(chain.size)
             if state not in excluded
         }
@@ -106,11 +101,11 @@ class _Definition:
             raise TooMuchError
         for key, name in names.items():
             if (event := tree.events.get(key)) is None:
-                chain, until = exact.ordered(tree, key), D(tree.age) + self.age + self.horizon
+                chain, until = exact.ordered(tree, key), D(tree.age) + self.horizon
                 chances[name] = exact.after(chain, until, frozenset(chain.fail))[0]
                 continue
             assert event.law is not None, "a checked tree has the law of each event"
-            age = self.age + D(tree.age if event.age is None else event.age)
+            age = D(tree.age if event.age is None else event.age)
             start, end = age if event.observed else D(0), age + self.horizon
             law, value = (
                 event.law,
@@ -128,11 +123,10 @@ class _Definition:
 
 
 class _Vectors:
-    """Runs of a monitor."""
+    """First steps of a monitor."""
 
     def __init__(self, system: ReliabilitySystem, bound: Sequence[BoundInput]) -> None:
         self.system = system
-        self.quantum_ns, self.gap_ns = round(system.quantum * 1e9), round(system.usual_gap * 1e9)
         about = {of.id: of for of in system.inputs()}
         units = (of for of in system.used_models() if of.type == "k_out_of_n")
         self.needed = {input_id(of.name, "available"): of.values["k"] for of in units}
@@ -157,31 +151,20 @@ class _Vectors:
             pairs = [(of * 0.999 * factor[1] / factor[0], of * 0.999) for of in known]
         return pairs, [(of, None) for of in wrong]
 
-    def run(self, name: str, pattern: Pattern, times: Sequence[int] = (0,)) -> Run:
-        """Return steps in which nothing changes, with what comes out."""
-        system, run, results, last = self.system, list[Step](), dict[str, Any](), 0
-        judges = [Judge(of.activate, of.release, of.hold) for of in system.thresholds]
+    def results(self, pattern: Pattern) -> Values | None:
+        """Return what comes out of a first step; ``None`` where it is not known."""
         given = {id_: of for id_, (_, of) in pattern.items()}
-        raw = {id_: of for id_, (of, _) in pattern.items()}
-        for now in times:
-            hours = -(-now // self.quantum_ns) * self.quantum_ns / _HOUR
-            try:
-                p = _Definition(system, given, hours).known[system.top]
-            except (TooMuchError, UnprovedError):
-                break
-            number = None if p is None else float(p)
-            if any(of.is_near(number) for of in judges):
-                break  # rounding decides
-            is_steady = now - last <= self.gap_ns
-            expected: dict[str, Any] = {"valid": is_steady and p is not None}
-            for of, judge in zip(system.thresholds, judges, strict=True):
-                if None not in given.values() or not system.worst_case:  # else bounds decide
-                    expected[of.id] = judge.step(now, number if is_steady else None)
-            if p is not None:
-                expected |= dict.fromkeys(_NUMBERS, float(f"{p:.12g}"))
-            run.append(Step(now, {} if run else raw, changed(results, expected)))
-            results, last = expected, now
-        return Run(name, run)
+        try:
+            p = _Definition(self.system, given).known[self.system.top]
+        except (TooMuchError, UnprovedError):
+            return None
+        expected: dict[str, Any] = {"valid": p is not None}
+        for of in self.system.thresholds:
+            if p is None and not self.system.worst_case:  # else bounds decide
+                expected[of.id] = False
+            elif p is not None and not math.isclose(p, of.activate):  # else rounding decides
+                expected[of.id] = p <= of.activate and not of.hold
+        return expected if p is None else expected | dict.fromkeys(_NUMBERS, float(f"{p:.12g}"))
 
     def patterns(self) -> tuple[list[Pattern], bool]:
         """Return observations: all, or those that differ from the usual ones in one input."""
@@ -193,36 +176,24 @@ class _Vectors:
 
     def lines(self, inputs: Sequence[BoundInput]) -> Iterator[Run | list[object]]:
         """Yield the lines of the file; raise an error at the end where some are missing."""
-        base, q, gap = self.base, self.quantum_ns, self.gap_ns
         patterns, is_all = self.patterns()
-        runs: list[tuple[Any, ...]] = [("start", pattern) for pattern in patterns]
-        contents = [of.content for of in self.system.used_models()]
-        if not any(isinstance(of, Chain) and of.observe for of in contents):
-            times = [
-                0,
-                1,
-                q,
-                q + 1,
-                q + 1 + gap,
-                q + 2 + 2 * gap,
-                q + 2 + 3 * gap,
-                _LATE,
-                _LATE + q,
-            ]
-            runs = [("time", pattern, times) for pattern in patterns[:3]] + runs
+        rows = [("start", pattern) for pattern in patterns]
         for id_, (_, wrong) in self.inputs.items():
-            runs += [(f"wrong:{id_}", {**base, id_: of}) for of in wrong]
-        is_all = is_all and len(runs) <= _MOST_RUNS
-        for row in runs[:_MOST_RUNS]:
-            run = self.run(*row)
-            is_all = is_all and len(run.steps) == len(row[2] if row[2:] else "0")
-            yield from [run] if run.steps else []
+            rows += [(f"wrong:{id_}", {**self.base, id_: of}) for of in wrong]
+        is_all = is_all and len(rows) <= _MOST_RUNS
+        for name, pattern in rows[:_MOST_RUNS]:
+            if (expected := self.results(pattern)) is None:
+                is_all = False
+            else:
+                yield Run(
+                    name, [Step(0, {id_: raw for id_, (raw, _) in pattern.items()}, expected)]
+                )
 
         def results(given: Values) -> Values | None:
             unknown = {id_: _UNKNOWN for id_, raw in given.items() if raw is None}
-            return next((step.results for step in self.run("", {**base, **unknown}).steps), None)
+            return self.results({**self.base, **unknown})
 
-        yield from age_rows(inputs, {id_: raw for id_, (raw, _) in base.items()}, results)
+        yield from age_rows(inputs, {id_: raw for id_, (raw, _) in self.base.items()}, results)
         if not is_all:
             raise TooMuchError
 
