@@ -115,7 +115,7 @@ def test_what_a_tree_may_hold() -> None:
     tree, chain = reading.models
     assert tree.outline()[-3:] == ["    x  model M", "    y  p 0.1", "    z  p 0.2"]
     assert chain.name == "M"
-    assert [p.case for p in tree.check() if p.code == "R013"] == ["R013.cut_sets_differ"]
+    assert not tree.check()
 
 
 @pytest.mark.parametrize("case", EXPECTED, ids=lambda case: Path(case["file"]).stem)

@@ -14,7 +14,7 @@ from tests.metamodel.eddis import random_eddi
 IS_LONG = settings().max_examples > 1000
 SEEDS = range(500 if IS_LONG else 50)
 NOT_OURS = {"X009", "X010", "X011"}
-NOT_THESE = {"X014.no_input", "R013.cut_sets_differ"}
+NOT_THESE = {"X014.no_input"}
 NOT_THESE |= {"X007.at", "X007.nothing", "X007.token"}
 
 pytestmark = pytest.mark.slow

@@ -148,12 +148,6 @@ def test_rates_beside_triggers_are_no_chain_and_said() -> None:
     assert sum("StateMachine" in one.message for one in problems) == 1
 
 
-def test_other_cut_sets_are_a_warning() -> None:
-    other = ('<causes name="Power" failure', '<causes name="Power" other')
-    (model,) = changed(FOLDER / "08_fault_tree.xml", other).models
-    assert "R013" in {one.code for one in model.check()}
-
-
 def test_an_unavailability_is_no_law() -> None:
     old = '<failures name="Alarm lost failure"'
     horn = '<failures name="Horn failure"'

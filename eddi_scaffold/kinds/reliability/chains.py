@@ -3,22 +3,19 @@
 Plain loops, products, quotients, and sums that are rounded once, as ``sum`` is not before Python
 3.12: the same digits on every machine. Sources: uniformisation (Jensen 1953), scaling and squaring
 of non-negative matrices, and the elimination of Grassmann, Taksar and Heyman (1985).
-
-Rotors: which sets of failed motors an airframe survives. Source: Aslansefat et al., "SafeDrones:
-Real-Time Reliability Evaluation of UAVs" and the paper of 2019 on multirotor reliability by the
-same group; motors are numbered as in the name, from 0.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from itertools import combinations
 from math import fsum, inf
 from typing import NamedTuple
 
 from eddi_scaffold.common import graphs
+from eddi_scaffold.kinds.reliability.system import FATAL
 from eddi_scaffold.program import python_text as py
 
 Arc = tuple[int, int, float]
@@ -156,19 +153,6 @@ def order_chain(gate: str, rates: Sequence[float], age: float) -> Chain:
     return Chain(names, 0, (len(rates),), tuple(ordered), age)
 
 
-Failed = frozenset[int]
-CONFIGURATIONS: Mapping[str, Sequence[set[int]]] = {
-    "PNPN": [{0}, {1}, {2}, {3}],
-    "PNPNPN": [{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 0}],
-    "PPNNPN": [{4}, {5}, {0, 1}, {2, 3}],
-    "PPNNPPNN": [{0, 1}, {2, 3}, {4, 5}, {6, 7}],
-}
-"""Direction of rotation of each motor (P and N) -> least sets of motors whose loss is fatal."""
-_MIRROR = str.maketrans("PN", "NP")
-FATAL = {**CONFIGURATIONS, **{c.translate(_MIRROR): of for c, of in CONFIGURATIONS.items()}}
-"""The same, with the mirror image of each frame, where P and N are exchanged."""
-
-
 def rotors_chain(configuration: str, rates: Sequence[float]) -> Chain:
     """Return the chain over sets of failed motors; the last state is the loss of the frame."""
     sets = survived(configuration)
@@ -184,15 +168,11 @@ def rotors_chain(configuration: str, rates: Sequence[float]) -> Chain:
     return Chain((*names, "loss"), 0, (loss,), arcs)
 
 
-@cache
-def survived(configuration: str) -> tuple[Failed, ...]:
-    """Return the sets of failed motors that one failure after the other can lead to in flight."""
-    sets: list[Failed] = [frozenset()]
-    for failed in sets:
-        after = [failed | {motor} for motor in range(len(configuration)) if motor not in failed]
-        flying = (s for s in after if not any(fatal <= s for fatal in FATAL[configuration]))
-        sets += [s for s in flying if s not in sets]
-    return tuple(sets)
+def survived(configuration: str) -> list[frozenset[int]]:
+    """Return the sets of failed motors with which the frame flies, small ones first."""
+    motors = range(len(configuration))
+    sets = (frozenset(of) for count in motors for of in combinations(motors, count))
+    return [of for of in sets if not any(fatal <= of for fatal in FATAL[configuration])]
 
 
 STATES_WRITTEN_OUT = 8  # States up to which the sums are written out

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.kinds.reliability import chains
@@ -21,7 +21,6 @@ from eddi_scaffold.kinds.reliability.system import (
 )
 
 MAX_STATES = 2000
-_LARGE = 500
 _LARGEST_RATE = 1e12
 _ALL = "\0"  # Stands above all models; no model is called so
 
@@ -49,12 +48,7 @@ def _references(system: ReliabilitySystem) -> Iterator[Problem]:
     cycle = order(_ALL, {_ALL: names, **below})[1]
     if cycle:
         place = system.components[cycle[0]].place
-        yield problem("R012.models", place, cycle=_shown_cycle(cycle))
-
-
-def _shown_cycle(cycle: Sequence[str]) -> str:
-    least = cycle.index(min(cycle))
-    return " -> ".join([*cycle[least:], *cycle[:least], cycle[least]])
+        yield problem("R012.models", place, cycle=" -> ".join([*cycle, cycle[0]]))
 
 
 def _contents(system: ReliabilitySystem) -> Iterator[Problem]:
@@ -65,7 +59,7 @@ def _contents(system: ReliabilitySystem) -> Iterator[Problem]:
             problems = list(_parts_of_tree(component, component.content))
             yield from problems
             if not has_errors(problems):
-                yield from _size_and_cut_sets(component, component.content)
+                yield from _size(component, component.content)
 
 
 def _chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
@@ -99,8 +93,6 @@ def _chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
         yield problem("R013.cannot_fail", place, name=name, initial=initial[0])
     elif lowered.initial not in chains.certain(lowered):
         yield problem("R013.may_stay", place, name=name)
-    if count > _LARGE:
-        yield problem("R013.large", place, name=name, states=count, size=8e-6 * count**2)
 
 
 def _first_few(names: Sequence[str]) -> str:
@@ -111,7 +103,9 @@ def _parts_of_tree(component: ComponentModel, tree: FaultTree) -> Iterator[Probl
     names, cycle = tree.reached()
     if cycle:
         place = tree.gates[cycle[0]].place
-        yield problem("R012.tree", place, tree=component.name, cycle=_shown_cycle(cycle))
+        yield problem(
+            "R012.tree", place, tree=component.name, cycle=" -> ".join([*cycle, cycle[0]])
+        )
         return
     uses = Counter(below for key in names if key in tree.gates for below in tree.gates[key].of)
     for key in names:
@@ -163,7 +157,7 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
                 yield problem("R009.dynamic", place, reason=reason, **fields)
 
 
-def _size_and_cut_sets(component: ComponentModel, tree: FaultTree) -> Iterator[Problem]:
+def _size(component: ComponentModel, tree: FaultTree) -> Iterator[Problem]:
     name, place = component.name, component.place
     lowered = lower_tree(name, tree)
     if tree.approximate and lowered.cut_sets is None:
@@ -175,7 +169,7 @@ def _size_and_cut_sets(component: ComponentModel, tree: FaultTree) -> Iterator[P
             yield problem("R010.approximation", gate.place, **fields)
         return
     try:
-        _ = lowered.diagram
+        lowered.diagram  # noqa: B018 - it is built
     except TooLargeError:
         hint = "make parts share fewer events"
         if lowered.limit <= NODE_LIMIT:  # ten times more would need more memory than there is
@@ -184,19 +178,6 @@ def _size_and_cut_sets(component: ComponentModel, tree: FaultTree) -> Iterator[P
             hint += ", or take bounds: `approximation: cut_sets`"
         yield problem("R010.diagram", place, hint=hint, tree=name, limit=lowered.limit)
         return
-    # the file lists them whatever the probabilities of the events are
-    cut_sets = lowered.all_cut_sets({}) if tree.cut_sets is not None else None
-    if tree.cut_sets is not None and cut_sets is not None:
-        computed = {frozenset(lowered.events[i].name for i in cut_set) for cut_set in cut_sets}
-        if computed != tree.cut_sets:
-            fields = {"actual": _shown_sets(tree.cut_sets), "computed": _shown_sets(computed)}
-            yield problem("R013.cut_sets_differ", place, tree=name, **fields)
-
-
-def _shown_sets(sets: Iterable[frozenset[str]]) -> str:
-    shown = sorted((sorted(cut_set) for cut_set in sets), key=lambda names: (len(names), names))
-    text = " ".join("{" + ", ".join(names) + "}" for names in shown[:10])
-    return f"{text} and {len(shown) - 10} more" if len(shown) > 10 else text
 
 
 def _combination(system: ReliabilitySystem) -> Iterator[Problem]:

@@ -337,16 +337,16 @@ def _sums_of_products(
         yield "        ) = q"
     complements: set[int] = set()
     value = {FALSE: "0.0", TRUE: "1.0"} if of_failure else {FALSE: "1.0", TRUE: "0.0"}
-    for node, (event, high, low) in enumerate(diagram.nodes, 2):
-        if value[low] != "0.0" and event not in complements:
-            complements.add(event)
-            yield f"        w{event} = 1.0 - q{event}"
+    for node, (i, high, low) in enumerate(diagram.nodes, 2):
+        if value[low] != "0.0" and i not in complements:
+            complements.add(i)
+            yield f"        w{i} = 1.0 - q{i}"
         products = [
             weight if value[branch] == "1.0" else f"{weight} * {value[branch]}"
-            for weight, branch in ((f"q{event}", high), (f"w{event}", low))
+            for weight, branch in ((f"q{i}", high), (f"w{i}", low))
             if value[branch] != "0.0"
         ]
         value[node] = f"n{node}"
-        about = py.comment(tree.events[event].name)
+        about = py.comment(tree.events[i].name)
         yield from py.assignment(value[node], " + ".join(products) or "0.0", 8, about)
     yield f"        return {value[diagram.root]}"

@@ -10,14 +10,13 @@ from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache, reduce
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Any, NamedTuple, TypeAlias
 
 from eddi_scaffold.common.graphs import reached, reversed_graph
 from eddi_scaffold.evidence.emitted import UnprovedError
 from eddi_scaffold.evidence.sums import Polynomial
-from eddi_scaffold.kinds.reliability.fault_tree import COHERENT
-from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, Law
+from eddi_scaffold.kinds.reliability.system import DYNAMIC, FATAL, Chain, FaultTree, Law
 
 D: TypeAlias = Decimal
 INF = D("inf")
@@ -39,6 +38,12 @@ class Markov(NamedTuple):
             if source not in self.fail and source != target and rate > 0.0:
                 rows[source][target] = rows[source].get(target, D(0)) + D(rate)
         return rows
+
+    def endless(self) -> set[int]:
+        """Return the states from which failure is not certain."""
+        before = reversed_graph({k: [*row] for k, row in enumerate(self.rows())})
+        fails = reached(before, self.fail)
+        return reached(before, [k for k in range(self.size) if k not in fails])
 
 
 @lru_cache(maxsize=4096)
@@ -67,10 +72,7 @@ def after(chain: Markov, hours: D, ends: frozenset[int]) -> Sequence[D]:
 @lru_cache(maxsize=256)
 def lives(chain: Markov) -> Sequence[D]:
     """Return the mean hours to failure from each state; infinite where it is not certain."""
-    rows, states = chain.rows(), range(chain.size)
-    before = reversed_graph({k: [*row] for k, row in enumerate(rows)})
-    fails = reached(before, chain.fail)
-    endless = reached(before, [k for k in states if k not in fails])
+    rows, states, endless = chain.rows(), range(chain.size), chain.endless()
     left = [k for k in states if k not in endless and k not in chain.fail]
     table = [
         [D(sum(rows[a].values())) if a == b else -rows[a].get(b, D(0)) for b in left] + [D(1)]
@@ -101,6 +103,42 @@ def battery(values: Mapping[str, Any]) -> Markov:
     return Markov(8, (6, 7), tuple(arcs))
 
 
+def rotors(values: Mapping[str, Any]) -> tuple[Markov, Sequence[tuple[int, ...]]]:
+    """Return the chain of failed motors, by place, and the sets that are no loss of the frame."""
+    fatal = FATAL[values["configuration"]]
+    motors = sorted(range(len(values["rates"])), key=values["positions"].__getitem__)
+    sets = [of for k in range(len(motors)) for of in combinations(range(len(motors)), k)]
+    sets = [of for of in sets if not any(lost <= {*of} for lost in fatal)]
+    number = {frozenset(of): state for state, of in enumerate(sets)}
+    arcs = [
+        (state, number.get(failed | {place}, len(sets)), float(values["rates"][motor]))
+        for failed, state in number.items()
+        for place, motor in enumerate(motors)
+        if place not in failed
+    ]
+    return Markov(len(sets) + 1, (len(sets),), tuple(arcs)), sets
+
+
+def ordered(tree: FaultTree, key: str) -> Markov:
+    """Return the chain of inputs that came in order, or another did; a SAND never happens."""
+    gate = tree.gates[key]
+    laws = [law for of in gate.of if gate.type != "SAND" and (law := tree.events[of].law)]
+    last = 1 if gate.type != "PAND" else len(laws)
+    arcs: list[tuple[int, int, float]] = []
+    for k, law in enumerate(laws[:last]):
+        arcs.append((k, k + 1, law.values[0]))
+        arcs += [(k, last + 1, law.values[0]) for law in laws[k + 1 :]]
+    return Markov(last + 2, (last,), tuple(arcs))
+
+
+def leaves(tree: FaultTree) -> list[str]:
+    """Return the events of a tree, and behind them its gates that ask for an order."""
+    names = tree.reached()[0]
+    dynamic = [key for key in names if key in tree.gates and tree.gates[key].type in DYNAMIC]
+    inner = {of for key in dynamic for of in tree.gates[key].of}
+    return [*(key for key in names if key in tree.events and key not in inner), *dynamic]
+
+
 def chance(law: Law, start: D, end: D) -> D:
     """Return the probability that an event happens between two ages of it, in hours."""
     first, shape = D(law.values[0]), D(law.values[-1]) if law.kind == "weibull" else D(1)
@@ -112,9 +150,9 @@ def chance(law: Law, start: D, end: D) -> D:
 
 def variable(tree: FaultTree, key: str) -> str:
     """Return which event it is: the failure of a model is one, whatever number stand for it."""
-    event = tree.events[key]
-    is_model = event.law is not None and event.law.model and not event.observed
-    return f"model {event.law.model}" if event.law and is_model else f"event {key}"
+    event = tree.events.get(key)
+    is_model = event and event.law and event.law.model and not event.observed
+    return f"model {event.law.model}" if event and event.law and is_model else f"event {key}"
 
 
 def structure(tree: FaultTree, events: Mapping[str, Polynomial]) -> Polynomial:
@@ -128,16 +166,18 @@ def structure(tree: FaultTree, events: Mapping[str, Polynomial]) -> Polynomial:
         return terms + Polynomial()
 
     values = dict(events)
-    for key in (key for key in tree.reached()[0] if key in tree.gates):
+    for key in (key for key in tree.reached()[0] if key in tree.gates and key not in events):
         gate = tree.gates[key]
         below = [values[of] for of in gate.of]
-        if gate.type == "AND":
+        if gate.type == "AND" and below:
             values[key] = reduce(both, below)
-        elif gate.type in COHERENT:
+        elif gate.type == "NOT" and below:
+            values[key] = ONE - below[0]
+        elif gate.type == "XOR":
+            values[key] = reduce(lambda a, b: a + b - both(a, b) - both(a, b), below)
+        else:
             row = [ONE] + [Polynomial()] * (gate.k or 1)
             for of in below:  # at least 0, 1, ... of those so far
                 row = [ONE, *(b + both(of, a - b) for a, b in pairwise(row))]
             values[key] = row[-1]
-        else:
-            raise UnprovedError(None, f"{gate.name} is a gate {gate.type}")
     return values[tree.top]

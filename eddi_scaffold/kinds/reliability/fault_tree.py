@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeVar
 
 COHERENT = frozenset({"OR", "AND", "VOTE"})
 CUT_SETS = 10_000  # Sets below any gate
-WORK = 8_000_000  # Sets that are made and compared for one tree, about half a second
+WORK = 20_000_000  # Sets that are made and compared for one tree, about a second
 T = TypeVar("T", bound=Hashable)
 
 
@@ -109,24 +109,14 @@ class _Search:
 
     def _minimal(self, sets: Iterable[int]) -> list[int]:
         kept: list[int] = []
-        by_lowest: dict[int, list[int]] = {}
         ordered = sorted(set(sets), key=lambda cut_set: (cut_set.bit_count(), cut_set))
         for _, same_size in groupby(ordered, int.bit_count):  # none of them contains another
             new = []
             for cut_set in same_size:
-                rest, is_minimal = cut_set, True
-                while is_minimal:  # whether it contains another one, by its lowest event
-                    lowest = rest & -rest
-                    others = by_lowest.get(lowest, ())
-                    self._spend(1 + len(others))
-                    is_minimal = not any(other & cut_set == other for other in others)
-                    if not rest:
-                        break
-                    rest ^= lowest
-                new += [cut_set] if is_minimal else []
+                self._spend(1 + len(kept))
+                if not any(other & cut_set == other for other in kept):
+                    new.append(cut_set)
             kept += new
-            for cut_set in new:
-                by_lowest.setdefault(cut_set & -cut_set, []).append(cut_set)
         if len(kept) > CUT_SETS:
             raise _TooMuchError
         return kept

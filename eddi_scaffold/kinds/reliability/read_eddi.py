@@ -19,8 +19,6 @@ from eddi_scaffold.kinds.reliability.read_eddi_laws import CommonCauses, Laws
 
 _EVENTS = ("basicevent", "normalevent")
 _CAUSE_TYPES = ("InputEvent", "OutputEvent", "BasicEvent", "NormalEvent", "Gate")
-_OTHERS_OF_SETS = tuple(map(Spelling, ("state", "event", "isNegated")))
-_K = ("k", "voteThreshold", "vote", "n")
 
 
 def read_eddi(
@@ -229,7 +227,7 @@ class _TreeReader:
             if other != name:  # two states of one chain are not independent
                 fields = {"subject": self.document.describe(self.element), "first": other}
                 self.findings.report("R009.one_chain", self.element, **fields, second=name)
-        return system.FaultTree(top, self.events, self.gates, cut_sets=self._cut_sets())
+        return system.FaultTree(top, self.events, self.gates)
 
     def _gate(self, cause: Element, id_: str) -> system.Gate:
         below = []
@@ -247,12 +245,7 @@ class _TreeReader:
             self.findings.report("X011.gate_type", cause, subject=subject, value=stated)
         if is_port and not below:
             self.findings.count("X014.no_input", cause, subject=subject)
-        keys = _K if kind == "VOTE" else ()
-        texts = {key: text for key in keys if (text := self.reader.findings.key_value(cause, key))}
-        if len(set(texts.values())) > 1:
-            shown = ", ".join(f"{key}={text}" for key, text in texts.items())
-            self.findings.report("R005.keys", cause, cause=subject, shown=shown)
-        text = next(iter(texts.values()), "")
+        text = self.findings.key_value(cause, "k") or "" if kind == "VOTE" else ""
         k = int(text) if text.isdecimal() and len(text) < 10 else None
         return system.Gate(id_, kind, tuple(below), k, self.document.place(cause), is_port)
 
@@ -328,26 +321,3 @@ class _TreeReader:
         while name in self.events or name in self.gates:
             name += "'"
         return name
-
-    def _cut_sets(self) -> frozenset[frozenset[str]] | None:
-        """Return the cut sets that the file states for the top; None: they cannot be compared."""
-        of_top = set(self.reader.failures_of(self.top, word.FAILURE))
-        cut_sets: set[frozenset[str]] = set()
-        for group in self.document.children(self.element, word.CUT_SETS):
-            failures = self.reader.failures_of(group, word.FAILURE)
-            if failures and of_top.isdisjoint(failures):
-                continue  # it is of another gate
-            for cut_set in self.document.children(group, word.SETS):
-                failures = self.reader.failures_of(cut_set, word.FAILURES)
-                causes = self.document.children(cut_set, word.CAUSES)
-                for cause in causes:
-                    failures += self.reader.failures_of(cause, word.FAILURE)
-                ids = [self.failures.get(f, [self.reader.name_of(f, "?0")]) for f in failures]
-                if (
-                    any(self.document.attribute(c, s) for c in causes for s in _OTHERS_OF_SETS)
-                    or self.document.children(cut_set, word.SEQUENCES)
-                    or any(len(events) > 1 for events in ids)
-                ):
-                    return None
-                cut_sets.add(frozenset(events[0] for events in ids))
-        return frozenset(cut_sets) or None

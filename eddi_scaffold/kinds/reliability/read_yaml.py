@@ -10,10 +10,9 @@ from typing import Any
 from eddi_runtime.reliability.component import ReliabilityResult
 
 from eddi_scaffold.common.identifiers import is_ros_name
-from eddi_scaffold.common.problems import Problem, did_you_mean
-from eddi_scaffold.common.units import duration, rate
+from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.common.units import duration, rate, seconds, temperature
 from eddi_scaffold.kinds.reliability import KEYS, system
-from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, FATAL
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 
 _Library = Mapping[str, system.ReliabilitySystem]
@@ -57,8 +56,6 @@ def _chain(entry: Values, errors: int) -> system.Chain:
             for state in names:
                 if state not in states:
                     entry.unknown("state", state, states, key)
-        if len(chain.initial) == 1 and chain.initial[0] in chain.fail:
-            entry.report("R007.starts_failed", "initial", state=chain.initial[0])
     return chain
 
 
@@ -81,10 +78,7 @@ def _observe(name: str, entry: Values, chain: system.Chain) -> tuple[system.Obse
     seen = {observation.state for observation in observations}
     unseen = [state for state in chain.fail if state not in seen]
     if observations and unseen and entry.errors == errors:
-        first = min(observations, key=lambda observation: observation.state not in chain.initial)
-        input_ = first.input if first.negated else f"not {first.input}"
-        fields = {"shown": ", ".join(unseen), "unseen": unseen[0], "input": input_}
-        entry.report("R013.observe", "observe", KEY, name=name, **fields)
+        entry.report("R013.observe", "observe", KEY, name=name, shown=", ".join(unseen))
     # in the order of the states, whatever that of the map: packages remember it sorted
     return tuple(sorted(observations, key=lambda seen: chain.states.index(seen.state)))
 
@@ -200,7 +194,7 @@ def read_system(
         horizon = values.quantity("horizon", duration, horizon, positive=True)
         mission_end = mission_end and not values.has("horizon")
     on_unknown = values.choice("on_unknown", ("inactive", "worst_case"))
-    gap = values.quantity("max_gap", duration, None, needs_unit=True, positive=True)
+    gap = values.converted("max_gap", seconds, before.max_gap)
     thresholds = _thresholds(values) if values.has("thresholds") else before.thresholds
     if values.errors:  # components that cannot be read would be missed by what uses them
         return None, values.problems
@@ -226,7 +220,7 @@ def read_system(
         mission_end=mission_end,
         thresholds=thresholds,
         worst_case=on_unknown == "worst_case" if on_unknown else before.worst_case,
-        max_gap=before.max_gap if gap is None else gap * 3600.0,
+        max_gap=gap,
     )
     return (None if values.errors else changed), values.problems
 
@@ -240,7 +234,7 @@ def _thresholds(values: Values) -> tuple[system.Threshold, ...]:
         name = entry.text("id", required=True)
         activate = entry.number(key, 0.0, 1.0, None, required=True)
         release = entry.number("release", 0.0, 1.0, activate)
-        hold = entry.quantity("hold", duration, 0.0, needs_unit=True)
+        hold = entry.converted("hold", seconds, 0.0)
         topic = entry.text("topic")
         if topic is not None and not is_ros_name(topic):
             entry.report("R002.topic", "topic")
@@ -257,9 +251,7 @@ def _thresholds(values: Values) -> tuple[system.Threshold, ...]:
             entry.report("R001.same_topic", "topic", first=other, second=name, topic=topic)
         if release < activate:
             entry.report("R001.release", "release", name=name, release=release, activate=activate)
-        thresholds[name] = system.Threshold(
-            name, activate, release, 3600.0 * hold, topic, entry.place()
-        )
+        thresholds[name] = system.Threshold(name, activate, release, hold, topic, entry.place())
     return tuple(thresholds.values())
 
 
@@ -269,11 +261,8 @@ def _component(
     before = base.components.get(name)
     kind = entry.text("type") or (before.type if before else None)
     if kind is None:
-        hint = f"write `type:` and one of {', '.join(system.TYPES)}"
-        if base.components:
-            known = base.components
-            hint = did_you_mean(name, known) or f"the model has {', '.join(known)}; {hint}"
-        entry.report("R001.no_type", hint=hint, name=name)
+        known, types = ", ".join(base.components) or "none", ", ".join(system.TYPES)
+        entry.report("R001.no_type", name=name, known=known, types=types)
     elif kind in ("markov", "fault_tree"):
         return _content(name, kind, entry, library, before)
     elif kind == "series":
@@ -325,7 +314,8 @@ def _ready_made(kind: str, entry: Values, name: str) -> Mapping[str, Any]:
                 key: entry.quantity(key, rate, None, required=True) for key in keys
             }
             if any(entry.has(key) for key in _HEAT):
-                values |= {key: entry.temperature(key) for key in ("t_ref", "t_max")}
+                for key in ("t_ref", "t_max"):
+                    values[key] = entry.converted(key, temperature, None, required=True)
                 energy = entry.number("activation_energy", 0.0, 10.0, None, required=True)
                 values["activation_energy"] = energy
             return {**values, "repair": entry.boolean("repair")}
@@ -336,8 +326,8 @@ def _ready_made(kind: str, entry: Values, name: str) -> Mapping[str, Any]:
                 "mttf_ref": entry.quantity(
                     "mttf_ref", duration, None, required=True, positive=True
                 ),
-                "t_ref": entry.temperature("t_ref"),
-                "t_max": entry.temperature("t_max"),
+                "t_ref": entry.converted("t_ref", temperature, None, required=True),
+                "t_max": entry.converted("t_max", temperature, None, required=True),
                 "u_max": entry.number("u_max", 0.0, 1e6, None, required=True),
                 "activation_energy": entry.number("activation_energy", 0.0, 10.0, 0.3),
                 "shape": entry.number("shape", 0.01, 100.0, 1.0),
@@ -359,8 +349,8 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any]:
     fields: dict[str, Any] = {"configuration": configuration, "motors": motors}
     if configuration is None:
         pass  # it was reported
-    elif configuration not in FATAL:
-        fields["known"] = ", ".join(CONFIGURATIONS)
+    elif configuration not in system.FATAL:
+        fields["known"] = ", ".join(system.CONFIGURATIONS)
         entry.report("R001.configuration", "configuration", **fields)
     elif entry.has("rate") == entry.has("rates"):
         entry.report("R001.rate", name=name)

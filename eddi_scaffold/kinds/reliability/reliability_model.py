@@ -27,7 +27,7 @@ from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.kinds.reliability.vectors import system_vectors
 from eddi_scaffold.kinds.reliability.verify import verify
-from eddi_scaffold.kinds.reliability.write import to_open_psa, to_yaml
+from eddi_scaffold.kinds.reliability.write import to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
@@ -86,10 +86,6 @@ class ReliabilityModel(kinds.Model):
     def write(self) -> Mapping[str, str]:
         return {f"{self.safe_name}.yml": to_yaml(self.data)}
 
-    def export(self) -> Mapping[str, str]:
-        tree = to_open_psa(self.data)
-        return {**self.write(), **({f"{self.safe_name}.opsa.xml": tree} if tree else {})}
-
     def diagram(self) -> Diagram:
         return show.picture(self.name, self.data)
 
@@ -99,29 +95,23 @@ class ReliabilityModel(kinds.Model):
         inputs = () if configured is None else configured.inputs()
         if not recognises(self.source):
             return kinds.ModelDraft(inputs)
-        observable: dict[str, tuple[str, str]] = {}  # model -> key, what there is to decide
+        models: dict[str, kinds.JsonValue] = {}
+        notes: dict[tuple[str, ...], str] = {("horizon",): "how far ahead, for instance 30 min"}
         for name, component in self.data.without_unused().components.items():
             content = component.content
             if isinstance(content, Chain) and not content.observe:
                 states = ", ".join(f"{state}: INPUT" for state in content.states[:_MOST_NAMES])
-                note = f"{{{states}}}, or `not INPUT`: false excludes the state"
-                observable[name] = "observe", note
-            elif isinstance(content, FaultTree):
-                events = content.events
-                free = [key for key, e in events.items() if not e.law or not e.law.model]
-                if free and not any(event.observed for event in events.values()):
-                    names = ", ".join(free[:_MOST_NAMES])
-                    note = f"{{EVENT: {{observed: true}}}} of {names}; {{}} for none"
-                    observable[name] = "events", note
-        models = {name: {key: TODO} for name, (key, _) in observable.items()}
-        notes: dict[tuple[str, ...], str] = {
-            ("models", name, key): note for name, (key, note) in observable.items()
-        }
-        return kinds.ModelDraft(
-            inputs,
-            {"horizon": TODO, **({"models": models} if models else {})},
-            {("horizon",): "how far ahead, for instance 30 min", **notes},
-        )
+                key, note = "observe", f"{{{states}}}, or `not INPUT`: false excludes the state"
+            elif isinstance(content, FaultTree) and not any(
+                event.observed for event in content.events.values()
+            ):
+                names = ", ".join([*content.events][:_MOST_NAMES])
+                key, note = "events", f"{{EVENT: {{observed: true}}}} of {names}; {{}} for none"
+            else:
+                continue
+            models[name], notes["models", name, key] = {key: TODO}, note
+        values: dict[str, kinds.JsonValue] = {"horizon": TODO}
+        return kinds.ModelDraft(inputs, values | ({"models": models} if models else {}), notes)
 
     def configure(self, options: kinds.Options) -> tuple[ReliabilityModel | None, list[Problem]]:
         """Take the keys of ``Model:`` into the system: horizon, thresholds, what is observed."""
@@ -228,13 +218,11 @@ def _undecided(system: ReliabilitySystem) -> Iterator[Problem]:
     """Warn of each threshold that decides nothing at the start (R014)."""
     if not system.thresholds:
         return
-    # the best is that the mission ends at once
-    best = at_start(system, seconds_left=0.0 if system.mission_end else None).p_fail
-    worst = at_start(system, known=False).p_fail_high
-    when = "at mission start" + (", however near the end is" if system.mission_end else "")
+    best, worst = at_start(system).p_fail, at_start(system, known=False).p_fail_high
     for t in system.thresholds:
-        if best > t.activate:
-            fields = {"threshold": t.id, "when": when}
-            yield problem("R014.never_met", t.place, p_fail=best, activate=t.activate, **fields)
+        if best > t.activate and not system.mission_end:  # which may be near
+            yield problem(
+                "R014.never_met", t.place, threshold=t.id, p_fail=best, activate=t.activate
+            )
         elif worst <= t.activate and system.inputs():
             yield problem("R014.always_met", t.place, threshold=t.id, p_fail_high=worst)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.common.units import accepted
-from eddi_scaffold.kinds import InputType, JsonValue, ModelInput
+from eddi_scaffold.kinds import InputType, ModelInput
 from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, order
 
 NAME = "reliability"
@@ -27,6 +27,21 @@ UNITS = {
     "activation_energy": "eV",
 }
 """Units of the numbers of ready-made models, as they are kept."""
+
+
+CONFIGURATIONS: Mapping[str, list[set[int]]] = {
+    "PNPN": [{0}, {1}, {2}, {3}],
+    "PNPNPN": [{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 0}],
+    "PPNNPN": [{4}, {5}, {0, 1}, {2, 3}],
+    "PPNNPPNN": [{0, 1}, {2, 3}, {4, 5}, {6, 7}],
+}
+"""Direction of rotation of each motor (P and N) -> least sets of motors whose loss is fatal.
+
+Motors are numbered as in the name, from 0. Source: Aslansefat et al. 2019.
+"""
+_MIRROR = str.maketrans("PN", "NP")
+FATAL = {**CONFIGURATIONS, **{c.translate(_MIRROR): of for c, of in CONFIGURATIONS.items()}}
+"""The same, with the mirror image of each frame, where P and N are exchanged."""
 
 
 @dataclass(frozen=True)
@@ -73,9 +88,6 @@ class FaultTree:
     gates: Mapping[str, Gate]
     repair: bool = False
     node_limit: int | None = None
-    # minimal cut sets that the file states, names of events; None: none stated. They are compared
-    # with the tree, and decide nothing
-    cut_sets: frozenset[frozenset[str]] | None = field(default=None, compare=False)
     age: float = 0.0  # hours that its events had run before the mission
     approximate: bool = False  # bounds by minimal cut sets in place of the diagram
     bounds_place: Place = field(default=Place(), compare=False)  # where that is asked for
@@ -144,53 +156,53 @@ class ComponentModel:
     def inputs(self) -> Iterator[ModelInput]:
         """Yield its inputs."""
         content, values, id_ = self.content, self.values, partial(input_id, self.name)
+        known: dict[str, Any]
 
-        def described(
-            id_: str,
-            type_: InputType,
-            text: str,
-            sample: JsonValue,
-            covered: str,
-            unit: str | None = None,
-            is_good: Callable[[object], bool] | None = None,
-        ) -> ModelInput:
+        def described(id_: str, type_: InputType, text: str, **more: Any) -> ModelInput:
             text = re.sub(r"[\s\"'\\]+", " ", text)[:120]
-            forms: dict[str, Any] = {"unit": unit, "units": accepted(unit), "is_good": is_good}
-            return ModelInput(id_, type_, description=text, covered=covered, sample=sample, **forms)
+            return ModelInput(
+                id_, type_, description=text, units=accepted(more.get("unit")), **more
+            )
 
         if isinstance(content, Chain):
             for seen in content.observe:
                 text = f"{seen.negated}: {self.name} is not in state {seen.state}"
                 sample = (seen.state in content.initial) is not seen.negated
-                yield described(seen.input, "bool", text, sample, "true" if sample else "false")
+                covered = "true" if sample else "false"
+                yield described(seen.input, "bool", text, sample=sample, covered=covered)
         elif isinstance(content, FaultTree):
+            known = {"sample": False, "covered": "false", "is_good": partial(operator.is_, False)}
             for key, event in content.events.items():
                 if event.observed:
-                    text = f"Has the event {event.name} happened?"
-                    is_good = partial(operator.is_, False)
-                    yield described(id_(key), "bool", text, False, "false", is_good=is_good)
-        elif self.type == "propulsion":
+                    yield described(
+                        id_(key), "bool", f"Has the event {event.name} happened?", **known
+                    )
+        elif self.type == "propulsion" and values["status"] == "list":
             count = len(values["rates"])
-            if values["status"] == "list":
-                text = f"Does each of the {count} motors work?"
-                yield described(id_("status"), "bool[]", text, [True] * count, "each true")
-            for i in range(count if values["status"] != "list" else 0):
-                text, is_good = f"Does motor {i} work?", partial(operator.is_, True)
-                yield described(id_(f"motor_{i}"), "bool", text, True, "true", is_good=is_good)
+            known = {"sample": [True] * count, "covered": "each true"}
+            yield described(
+                id_("status"), "bool[]", f"Does each of the {count} motors work?", **known
+            )
+        elif self.type == "propulsion":
+            known = {"sample": True, "covered": "true", "is_good": partial(operator.is_, True)}
+            for i in range(len(values["rates"])):
+                yield described(id_(f"motor_{i}"), "bool", f"Does motor {i} work?", **known)
         elif self.type == "k_out_of_n":
             text = f"How many units are available, {values['k']} are needed"
-            units, good = values["max"] or values["k"], f"at least {values['k']}"
-            yield described(id_("available"), "int", text, units, good)
+            known = {"sample": values["max"] or values["k"], "covered": f"at least {values['k']}"}
+            yield described(id_("available"), "int", text, **known)
         elif self.type == "battery":
-            text = "State of charge in percent"
-            yield described(id_("level"), "float", text, 100.0, "above 25", "percent")
+            known = {"sample": 100.0, "covered": "above 25", "unit": "percent"}
+            yield described(id_("level"), "float", "State of charge in percent", **known)
         if "t_ref" in values:
-            usual, most = values["t_ref"], values["t_max"]
-            text, good = f"Temperature of the {self.type}", f"at most {most:g}"
-            yield described(id_("temperature"), "float", text, min(usual, most), good, "degC")
+            most = values["t_max"]
+            known = {"sample": min(values["t_ref"], most), "covered": f"at most {most:g}"}
+            text = f"Temperature of the {self.type}"
+            yield described(id_("temperature"), "float", text, unit="degC", **known)
         if self.type == "processor":
-            text, most = "Load of the processor, 1 for full", values["u_max"]
-            yield described(id_("utilisation"), "float", text, min(1.0, most), f"0 to {most:g}")
+            known = {"sample": min(1.0, values["u_max"]), "covered": f"0 to {values['u_max']:g}"}
+            text = "Load of the processor, 1 for full"
+            yield described(id_("utilisation"), "float", text, **known)
 
 
 @dataclass(frozen=True)

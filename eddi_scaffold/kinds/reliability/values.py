@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 from eddi_scaffold.common import units
@@ -143,21 +144,11 @@ class Values:
         return default if value is None else value is True
 
     def quantity(
-        self,
-        key: str,
-        read: _Read,
-        default: D,
-        *,
-        required: bool = False,
-        needs_unit: bool = False,
-        positive: bool = False,
+        self, key: str, read: _Read, default: D, *, required: bool = False, positive: bool = False
     ) -> float | D:
-        """Return a rate or a duration in 1/h or h.
-
-        A missing unit is a warning, or, of durations of the clock, an error (R004).
-        """
+        """Return a rate or a duration in 1/h or h; a missing unit is a warning (R004)."""
         value = self._get(key, "", required=required)
-        number = None if value is None else self._quantity(value, read, needs_unit, key)
+        number = None if value is None else self._quantity(value, read, key)
         if positive and number is not None and number <= 0.0:
             self.report("R002.positive", key, key=key)
             return default
@@ -168,22 +159,16 @@ class Values:
         items = self._get(key, "a list", lambda value: isinstance(value, list))
         if items is None:
             return None
-        numbers = [self._quantity(item, read, False, key, i) for i, item in enumerate(items)]
+        numbers = [self._quantity(item, read, key, i) for i, item in enumerate(items)]
         return [number for number in numbers if number is not None]
 
-    def _quantity(
-        self, value: object, read: _Read, needs_unit: bool, *keys: str | int
-    ) -> float | None:
+    def _quantity(self, value: object, read: _Read, *keys: str | int) -> float | None:
         quantity = self._converted(value, read, *keys)
-        if quantity is None or quantity.has_unit or (needs_unit and quantity.value == 0.0):
-            return quantity and quantity.value
-        if needs_unit:
-            self.report("R004.unit_of_time", *keys, key=keys[0], value=value)
-            return None
-        unit, also = ("h", "") if read is units.duration else ("1/h", f" or `{value} FIT`")
-        fields: dict[str, Any] = {"unit": unit, "also": also, "key": keys[0]}
-        self.report("R004.no_unit", *keys, value=quantity.value, number=value, **fields)
-        return quantity.value
+        if quantity is not None and not quantity.has_unit:
+            unit, also = ("h", "") if read is units.duration else ("1/h", f" or `{value} FIT`")
+            fields: dict[str, Any] = {"unit": unit, "also": also, "key": keys[0]}
+            self.report("R004.no_unit", *keys, value=quantity.value, number=value, **fields)
+        return quantity and quantity.value
 
     def _converted(self, value: object, read: Callable[[object], V], *keys: str | int) -> V | None:
         try:
@@ -192,20 +177,20 @@ class Values:
             self.report(case_of(fault), *keys, hint=fault.hint, subject=keys[0], reason=fault)
             return None
 
-    def temperature(self, key: str) -> float | None:
-        """Return a temperature in degC, which has to be there."""
-        value = self._get(key, "", required=True)
-        return None if value is None else self._converted(value, units.temperature, key)
+    def converted(
+        self, key: str, read: Callable[[object], V], default: D, *, required: bool = False
+    ) -> V | D:
+        """Return what a value is read as."""
+        value = self._get(key, "", required=required)
+        read_value = None if value is None else self._converted(value, read, key)
+        return default if read_value is None else read_value
 
     def number(
         self, key: str, low: float, high: float, default: D, *, required: bool = False
     ) -> float | D:
         """Return a number between two limits."""
-        value = self._get(key, "", required=required)
-        if value is None:
-            return default
-        number = self._converted(value, lambda content: units.number(content, low, high), key)
-        return default if number is None else number
+        read = partial(units.number, low=low, high=high)
+        return self.converted(key, read, default, required=required)
 
     def whole_number(
         self, key: str, low: int, high: int, default: D, *, required: bool = False

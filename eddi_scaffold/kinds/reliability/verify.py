@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import localcontext
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +17,8 @@ from eddi_scaffold.evidence.emitted import Call, Class, Emitted, UnprovedError, 
 from eddi_scaffold.evidence.sums import Polynomial, returned, variables
 from eddi_scaffold.kinds.reliability import exact
 from eddi_scaffold.kinds.reliability.exact import INF, ONE, D, after
-from eddi_scaffold.kinds.reliability.fault_tree import COHERENT
 from eddi_scaffold.kinds.reliability.system import (
+    MISSION_END,
     Chain,
     ComponentModel,
     FaultTree,
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _CLOSE, _LEAST = D("1e-12"), D("1e-300")
 """Relative and absolute difference of two numbers that are equal."""
+_GRID, _WRITTEN_OUT = 256, 8  # prepared horizons; states of chains whose sums are written out
 _LIMITS = {
     "level": {"high": 100.0, "slack": 0.5},
     "temperature": {"low": -200.0, "high": sys.float_info.max},
@@ -57,7 +58,8 @@ class _System:
         system, emitted = self.system, self.emitted
         monitor = emitted.monitor("reliability.Reliability")
         if system.mission_end:
-            raise UnprovedError(monitor.node, "the end of the mission is an input")
+            limits = {"low": -1e12, "high": 1e12}
+            self.rules[MISSION_END] = Call("reliability.Rule", ("float",), limits)
         lines = monitor.method("_models", "self")
         node = lines.returned()
         lines.end()
@@ -74,6 +76,7 @@ class _System:
             "top": system.top,
             "uses": tuple(dict.fromkeys(self.uses[system.top])),
             "horizon": system.horizon,
+            "moving": system.mission_end or None,
             "quantum_ns": round(system.quantum * 1e9),
             "max_gap_ns": round(system.usual_gap * 1e9),
             "thresholds": tuple(Call("reliability.Threshold", row) for row in rows) or None,
@@ -129,7 +132,8 @@ class _System:
             for seen in content.observe:
                 self._input(name, seen.input, "bool")
             number = content.states.index
-            self._chain(f"Chain{place}", content)
+            chain = exact.markov(content)
+            self._chain(f"Chain{place}", chain, number(content.initial[0]), content.age)
             rows = tuple((number(of.state), of.input, of.negated) for of in content.observe)
             more = {"observe": rows} if rows else {}
             more |= {"repair": True} if content.repair else {}
@@ -142,7 +146,7 @@ class _System:
             rate = float(values["rate"])
             return Call("units.KOutOfN", (values["k"], rate, values["max"], available))
         if model.type == "propulsion":
-            raise UnprovedError(node, f"what lies ahead of {name} is in tables")
+            return self._propulsion(place, model, node, written, more)
         level = input_("level") if model.type == "battery" else ""
         if "t_ref" in values:
             keys = ("activation_energy", "t_ref", "t_max")
@@ -156,6 +160,34 @@ class _System:
         more |= {"age": float(values["age"])} if values.get("age") else {}
         numbers = float(values["mttf_ref"]), float(values["shape"])
         return Call("processor.Processor", numbers, more)
+
+    def _propulsion(
+        self,
+        place: int,
+        model: ComponentModel,
+        node: ast.expr,
+        written: Sequence[Any],
+        more: Mapping[str, Any],
+    ) -> Call:
+        chain, sets = exact.rotors(model.values)
+        if self.system.mission_end:
+            self._chain(f"Chain{place}", chain)
+            ahead = Call(f"Chain{place}", ())
+        else:
+            rows = written[0].args if written and isinstance(written[0], Call) else None
+            self._near(node, f"rotors of {model.name}", rows, [_ahead(chain, self.system.horizon)])
+            ahead = Call("rotors.Rows", rows)
+        count = len(model.values["rates"])
+        inputs: Sequence[tuple[str, int | None]]
+        if model.values["status"] == "list":
+            id_ = self._input(model.name, input_id(model.name, "status"), "bool[]", length=count)
+            inputs = [(id_, motor) for motor in range(count)]
+        else:
+            ids = (input_id(model.name, f"motor_{motor}") for motor in range(count))
+            inputs = [(self._input(model.name, id_, "bool"), None) for id_ in ids]
+        by_place = sorted(range(count), key=model.values["positions"].__getitem__)
+        args = ahead, tuple(sets), tuple(inputs[motor] for motor in by_place)
+        return Call("rotors.Propulsion", args, more)
 
     def _near(self, node: ast.AST, what: str, written: Any, expected: Any) -> None:
         """Compare a number, or rows of them, that need not be the same to the last digit."""
@@ -177,49 +209,75 @@ class _System:
             raise UnprovedError(of.node if of else None, f"there is no {name} that is {base}")
         return of
 
-    def _chain(self, name: str, content: Chain) -> None:
-        """Take the class of a chain: its numbers, and sums of them."""
-        of, chain = self._class(name, "chain.Chain"), exact.markov(content)
-        states, start = range(chain.size), content.states.index(content.initial[0])
+    def _chain(self, name: str, chain: exact.Markov, initial: int = 0, age: float = 0.0) -> None:
+        """Take the class of a chain: its numbers, and sums of them; or what they are made of."""
+        system, states = self.system, range(chain.size)
+        quantum, horizon = system.quantum / 3600.0, system.horizon
+        part = horizon / _GRID if system.mission_end else horizon
+        steps = _GRID if system.mission_end else None
+        if chain.size > _WRITTEN_OUT:
+            large = self._class(name, "large_chain.LargeChain")
+            data_of: dict[str, object] = {"count": chain.size, "initial": initial or None}
+            data_of |= {"fail": chain.fail, "endless": tuple(sorted(chain.endless())) or None}
+            data_of |= {"age": age or None, "hours": quantum, "horizon": part, "steps": steps}
+            for key, value in {**data_of, "arcs": chain.arcs}.items():
+                self.emitted.attribute(large, key, value)
+            self.emitted.end(large)
+            return
+        of = self._class(name, "chain.Chain")
 
         def within(hours: float) -> list[Sequence[D]]:
             return [after(chain, D(hours), frozenset({state})) for state in states]
 
-        horizon, means = D(self.system.horizon), exact.lives(chain)
-        failed = after(chain, horizon, frozenset(chain.fail))
-        alive = after(chain, horizon, frozenset(states) - {*chain.fail})
+        ahead = _ahead(chain, 0.0 if system.mission_end else horizon)
+        failed, alive, means = zip(*ahead, strict=True)
         self.emitted.attribute(of, "fail", chain.fail)
-        first = [row[start] for row in within(content.age)]
-        ahead = [*zip(failed, alive, means, strict=True)]
-        for key, value in {"first": first, "ahead": ahead}.items():
+        self.emitted.attribute(of, "steps", steps)
+        rows: dict[str, Any] = {"first": [row[initial] for row in within(age)], "ahead": ahead}
+        rows |= {"grid": [*zip(*within(part), strict=True)]} if system.mission_end else {}
+        for key, value in rows.items():
             node = of.attributes.pop(key, ast.Constant(None))
             self._near(node, f"{key} of {name}", data(node), value)
         lasting = [D(0) if mean == INF else mean for mean in means]
         endless = [D(mean == INF) for mean in means]
-        look = [failed, alive, lasting, endless, [D(1)] * chain.size]
-        hours = self.system.quantum / 3600.0
-        for method, more, rows in (("quantum", "", within(hours)), ("look", ", at", look)):
+        sums: dict[str, tuple[str, Sequence[Sequence[D]]]] = {"quantum": ("", within(quantum))}
+        if not system.mission_end:
+            look = [failed, alive, lasting, endless, [D(1)] * chain.size]
+            sums["look"] = ", at", look
+        for method, (more, wanted) in sums.items():
             function = of.methods.pop(method, of.node)
-            sums = returned(function, f"self, belief{more}", {"belief": variables(states)})
-            products = {of for terms in sums for of, factor in terms.items() if factor}
+            written = returned(function, f"self, belief{more}", {"belief": variables(states)})
+            products = {of for terms in written for of, factor in terms.items() if factor}
             if not products <= {(k,) for k in states}:
                 raise UnprovedError(function, "it is no sum over the states")
-            written = [[float(terms.get((k,), 0)) for k in states] for terms in sums]
-            self._near(function, f"{method} of {name}", written, rows)
+            numbers = [[float(terms.get((k,), 0)) for k in states] for terms in written]
+            self._near(function, f"{method} of {name}", numbers, wanted)
         self.emitted.end(of)
 
     def _tree(self, place: int, name: str, tree: FaultTree) -> None:
         """Take the class of a fault tree."""
         of = self._class(f"Tree{place}", "tree.FaultTree")
-        gates = {gate.type for gate in tree.used_gates()}
-        if not gates <= COHERENT:
-            raise UnprovedError(of.node, f"it has gates {', '.join(sorted(gates - COHERENT))}")
         events: dict[str, Polynomial] = {}
         numbers: dict[str, int] = {}  # of what is an event at run time
-        rows: dict[str, list[Any]] = {"names": [], "observed": [], "models": []}
+        orders: list[Any] = []
+        rows = {
+            "names": list[Any](),
+            "observed": list[Any](),
+            "models": list[Any](),
+            "orders": orders,
+        }
         laws: list[str] = []
-        for key in (key for key in tree.reached()[0] if key in tree.events):
-            event, law, at = tree.events[key], tree.events[key].law, len(laws)
+        for key in exact.leaves(tree):
+            at = len(laws)
+            if key in tree.gates:
+                events[key] = variables([at])[0] if tree.gates[key].type != "SAND" else Polynomial()
+                rows["names"].append(key)
+                laws.append("0.0")
+                if events[key]:
+                    orders.append((at, Call(f"Order{at}of{place}")))
+                    self._chain(f"Order{at}of{place}", exact.ordered(tree, key), 0, tree.age)
+                continue
+            event, law = tree.events[key], tree.events[key].law
             assert law is not None, "a checked tree has the law of each event"
             number = numbers.setdefault(exact.variable(tree, key), at)
             events[key] = variables([number])[0]
@@ -245,14 +303,36 @@ class _System:
             text = f"{line}\n{text}" if line.split()[0] in text else text
         of.body("laws", "self, age, horizon", text)
         failure = exact.structure(tree, events)
-        survival = ONE - failure
-        for method, wanted in (("failure", failure), ("survival", survival)):
+        if failure.keys() - {()} and {"NOT", "XOR"} & {g.type for g in tree.used_gates() if g.of}:
+            self.emitted.attribute(of, "grows", False)
+            if rows["observed"] or rows["models"]:
+                self._nodes(of, variables(range(len(laws))), failure)
+        for method, wanted in (("failure", failure), ("survival", ONE - failure)):
             function = of.methods.pop(method, of.node)
             got = returned(function, "self, q", {"q": variables(range(len(laws)))})
             if got + Polynomial() != wanted:
                 text = f"{method} of {of.node.name} is another function of the events"
                 self.emitted.differs(function, text)
         self.emitted.end(of)
+
+    def _nodes(self, of: Class, q: Sequence[Polynomial], failure: Polynomial) -> None:
+        """Take the diagram of a tree, by which it is bounded."""
+        node = of.attributes.pop("nodes", ast.Constant(None))
+        values, written = [Polynomial(), ONE], data(node)
+        try:
+            for event, high, low in written:
+                values.append(q[event] * values[high] + (ONE - q[event]) * values[low])
+        except (TypeError, ValueError, IndexError):
+            raise UnprovedError(node) from None
+        if values[-1] != failure:
+            self.emitted.differs(node, f"nodes of {of.node.name} are of another function")
+
+
+def _ahead(chain: exact.Markov, hours: float) -> list[tuple[D, ...]]:
+    """Return for each state: failed and alive at the horizon, mean life in hours."""
+    failed = after(chain, D(hours), frozenset(chain.fail))
+    alive = after(chain, D(hours), frozenset({*range(chain.size)} - {*chain.fail}))
+    return [*zip(failed, alive, exact.lives(chain), strict=True)]
 
 
 def _law(law: Law, age: float, is_observed: bool) -> str:

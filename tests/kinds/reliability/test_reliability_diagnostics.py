@@ -13,6 +13,7 @@ import pytest
 from eddi_scaffold.common.problems import EddiError, Problem, in_order
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds import Options
+from eddi_scaffold.kinds.reliability.system import TYPES
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
 from tests.data_files import data_text
@@ -75,7 +76,10 @@ def said(folder: Path, old: str, new: str) -> list[str]:
         (
             "Rotors:",
             "Rotrs:",
-            "8:5 R001 model 'Rotrs' has no type | did you mean 'Rotors'?",
+            (
+                "8:5 R001 model 'Rotrs' has no type | models: Rotors, MissionLoss; or write "
+                f"`type:` and one of {', '.join(TYPES)}"
+            ),
         ),
     ],
 )

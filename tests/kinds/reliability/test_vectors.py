@@ -52,7 +52,6 @@ def test_the_monitor_of_a_model_passes(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("before", "after"),
     [
-        ("type: markov", "type: markov, repair: true"),
         ("horizon: 5 h", "horizon: mission_end\nmission_time: 5 h"),
         ("rate: 0.3", "rate: 3.0e6"),
     ],
@@ -71,13 +70,11 @@ def test_a_model_with_heat_and_propulsion_has_no_vectors() -> None:
 OTHERS = [
     ("k", "k: 3", "k: 2"),
     ("battery", "beta: 7.0e-3", "beta: 8.0e-3"),
-    ("battery_repair", ", repair: true", ""),
     ("markov", "from: C, to: F, rate: 0.3", "from: C, to: F, rate: 0.31"),
     ("markov", "A: a_ok", "B: a_ok"),
     ("trees", "k: 2", "k: 3"),
     ("trees", "of: [b, c]", "of: [b, d]"),
     ("parts", "age: 3 h", "age: 4 h"),
-    ("parts", "repair: true", "repair: false"),
 ]
 
 
