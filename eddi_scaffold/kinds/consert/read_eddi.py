@@ -12,7 +12,6 @@ from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert.options import with_default_guarantees
 from eddi_scaffold.kinds.consert.read_eddi_dimensions import DimensionReader
 
 MAX_EDGES = 1_000_000
@@ -21,14 +20,10 @@ _FUNCTIONS: dict[str, model.GateFunction] = {"and": "And", "or": "Or"}
 _NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
 
 
-def read_eddi(
-    document: EddiDocument, source: Source, default_guarantees: Sequence[str] = ()
-) -> tuple[tuple[model.ConSert, ...], list[Problem]]:
-    """Read every ConSert of a document; the file's stem names one without a name.
+def read_eddi(document: EddiDocument, source: Source) -> tuple[list[model.ConSert], list[Problem]]:
+    """Read every ConSert of a document without an error of the XML form, and what is wrong.
 
-    Returns:
-        The ConSerts without an error of the XML form, and all problems found. A file without
-        ConSerts gives neither.
+    The file's stem names one without a name.
     """
     findings = EddiFindings(document)
     conserts: list[model.ConSert] = []
@@ -47,10 +42,7 @@ def read_eddi(
         elif consert is not None:
             conserts.append(consert)
         first.setdefault(name, element)
-    if not first:
-        return (), findings.problems()
-    marked, unclear = with_default_guarantees(conserts, default_guarantees, source.name)
-    return marked, [*findings.problems(), *unclear]
+    return conserts, findings.problems()
 
 
 def consert_elements(document: EddiDocument) -> Iterator[Element]:
