@@ -37,7 +37,6 @@ def _status(status: Any) -> StatusReading:
     return StatusReading(verdicts, status.model_id, status.model_digest, tuple(status.accepted))
 
 
-_SUFFIXES = (".yml", ".yaml", ".json")
 _OWN_KEY = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:guarantees|tree_propagations|(?:provided|required)_services)"""
     rb"""["']?\s*:"""
@@ -45,7 +44,8 @@ _OWN_KEY = re.compile(
 
 
 def _recognises(source: Source) -> bool:
-    return source.name.lower().endswith(_SUFFIXES) and _OWN_KEY.search(source.data) is not None
+    is_yaml = source.name.lower().endswith((".yml", ".yaml", ".json"))
+    return is_yaml and _OWN_KEY.search(source.data) is not None
 
 
 KIND = Kind(

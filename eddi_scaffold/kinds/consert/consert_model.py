@@ -55,7 +55,7 @@ _LOOKS: dict[str, tuple[Shape, Tone, str]] = {
 class ConSertModel(Model):
     """A ConSert, and what its configuration chooses."""
 
-    kind: ClassVar[str] = model.NAME
+    kind: ClassVar[str] = "consert"
     data: model.ConSert = field(kw_only=True)
     options: ConSertOptions = field(default=ConSertOptions(), kw_only=True)
 

@@ -7,11 +7,12 @@ their places, and that ``export`` writes.
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Iterator
 from typing import NamedTuple
 
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.read_yaml import Field, Form, Reader, read_full, text_of
@@ -85,7 +86,6 @@ class _Expansion(Reader):
         self._gates: list[y.Node] = []
         self._edges: list[y.Node] = []
         self._ids: set[str] = set()
-        self._numbers: Counter[str] = Counter()
 
     def full_form(self, root: y.Map) -> y.Map:
         """Return the full form."""
@@ -209,7 +209,8 @@ class _Expansion(Reader):
                 if isinstance(term, Term):
                     source = term.id
                 else:
-                    source = self._free_name(f"{item.id}_{term.word.lower()}")
+                    source = free_name(f"{item.id}_{term.word.lower()}", self._ids)
+                    self._ids.add(source)
                     self._add_gate(source, term, place)
                     waiting.append((source, term))
                 ends = {"from": source, "to": target}
@@ -220,31 +221,21 @@ class _Expansion(Reader):
         node = y.Scalar(id_, plain=False, place=place)
         self._gates.append(y.map_of(place, {"id": node, "function": row.word.capitalize()}))
 
-    def _free_name(self, base: str) -> str:
-        name = base
-        while name in self._ids:
-            self._numbers[base] += 1
-            name = f"{base}_{self._numbers[base] + 1}"
-        self._ids.add(name)
-        return name
-
     def _services(
         self, services: list[_Declared], known: list[_Declared], kind: str
     ) -> list[y.Node]:
-        """Return the services whose members are there."""
-        ids = {item.id for item in known}
-        similar = SimilarNames(sorted(ids))
+        ids = {item.id: None for item in known}
+        similar = SimilarNames(ids)
         nodes: list[y.Node] = []
         for item in services:
-            unknown = [member for member in y.scalars_of(item.main) if member.text not in ids]
-            for member in unknown:
-                hint = similar.hint(member.text)
-                fields = {"name": item.what, "kind": kind, "member": y.shown(member.text)}
-                self.report("C008.unknown_member", member, hint=hint, **fields)
-            if not unknown:
-                type_ = item.parts.get("type", item.key)
-                node = {"id": item.key, "functional_service_type": type_, f"{kind}s": item.main}
-                nodes.append(y.map_of(item.key.place, node))
+            for member in y.scalars_of(item.main):
+                if member.text not in ids:
+                    fields = {"name": item.what, "kind": kind, "member": y.shown(member.text)}
+                    hint = similar.hint(member.text)
+                    self.report("C008.unknown_member", member, hint=hint, **fields)
+            type_ = item.parts.get("type", item.key)
+            node = {"id": item.key, "functional_service_type": type_, f"{kind}s": item.main}
+            nodes.append(y.map_of(item.key.place, node))
         return nodes
 
 

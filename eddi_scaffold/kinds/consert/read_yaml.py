@@ -179,11 +179,7 @@ def _variant_of(title: str, forms: Mapping[str, Form]) -> Read:
         if key.text not in known:
             reader.unknown_word(key, title, known)
             return None
-        form = forms[key.text]
-        if form.fields is _ENDS and isinstance(content, y.Items) and len(content.items) == 2:
-            ends = zip(("start", "end"), content.items, strict=True)
-            content = y.Map(tuple((y.Scalar(end, plain=True), value) for end, value in ends))
-        return reader.element(content, f"{key.text!r} in {what}", form, node.place)
+        return reader.element(content, f"{key.text!r} in {what}", forms[key.text], node.place)
 
     return read_variant
 

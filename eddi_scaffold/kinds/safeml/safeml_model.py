@@ -16,7 +16,7 @@ from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResu
 from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.kinds.safeml.plan import plan
-from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, NAME, Plan, SafeMLFile, SafeMLOptions
+from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, Plan, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import as_eddi_map, read_settings, settings_of_eddi
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
 from eddi_scaffold.kinds.safeml.thresholds import critical_values
@@ -34,7 +34,7 @@ _PERIODS = 10  # Steps without a sample after which a window is too old, unless 
 class SafeMLModel(Model):
     """A reference, and how what is seen is compared with it."""
 
-    kind: ClassVar[str] = NAME
+    kind: ClassVar[str] = "safeml"
     data: SafeMLFile = field(kw_only=True)
     # `None` before it is configured
     options: SafeMLOptions | None = field(default=None, kw_only=True)

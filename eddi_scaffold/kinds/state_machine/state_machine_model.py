@@ -21,7 +21,7 @@ from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds.state_machine import SUFFIX, show
 from eddi_scaffold.kinds.state_machine.checks import check_machine, check_settings
 from eddi_scaffold.kinds.state_machine.compile import actions_module, compile_machine
-from eddi_scaffold.kinds.state_machine.machine import NAME, StateMachine
+from eddi_scaffold.kinds.state_machine.machine import StateMachine
 from eddi_scaffold.kinds.state_machine.options import Evidence, Settings, Value, read_settings
 from eddi_scaffold.kinds.state_machine.read_eddi import read_machines
 from eddi_scaffold.kinds.state_machine.vectors import state_machine_vectors
@@ -34,7 +34,7 @@ from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 class StateMachineModel(kinds.Model):
     """A state machine; its settings come from a configuration, ``None`` without one."""
 
-    kind: ClassVar[str] = NAME
+    kind: ClassVar[str] = "state_machine"
     data: StateMachine = field(kw_only=True)
     configured: Settings | None = field(default=None, kw_only=True)
 
