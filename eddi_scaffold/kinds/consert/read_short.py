@@ -7,12 +7,11 @@ their places, and that ``export`` writes.
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator
 from typing import NamedTuple
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.read_yaml import Field, Form, Reader, read_full, text_of
@@ -86,6 +85,7 @@ class _Expansion(Reader):
         self._gates: list[y.Node] = []
         self._edges: list[y.Node] = []
         self._ids: set[str] = set()
+        self._numbers: Counter[str] = Counter()
 
     def full_form(self, root: y.Map) -> y.Map:
         """Return the full form."""
@@ -209,8 +209,7 @@ class _Expansion(Reader):
                 if isinstance(term, Term):
                     source = term.id
                 else:
-                    source = free_name(f"{item.id}_{term.word.lower()}", self._ids)
-                    self._ids.add(source)
+                    source = self._free_name(f"{item.id}_{term.word.lower()}")
                     self._add_gate(source, term, place)
                     waiting.append((source, term))
                 ends = {"from": source, "to": target}
@@ -220,6 +219,14 @@ class _Expansion(Reader):
     def _add_gate(self, id_: str, row: Row, place: Place) -> None:
         node = y.Scalar(id_, plain=False, place=place)
         self._gates.append(y.map_of(place, {"id": node, "function": row.word.capitalize()}))
+
+    def _free_name(self, base: str) -> str:
+        name = base
+        while name in self._ids:
+            self._numbers[base] += 1
+            name = f"{base}_{self._numbers[base] + 1}"
+        self._ids.add(name)
+        return name
 
     def _services(
         self, services: list[_Declared], known: list[_Declared], kind: str
