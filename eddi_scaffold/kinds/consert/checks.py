@@ -20,8 +20,7 @@ from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, did_you_mean, problem
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert import graph
-from eddi_scaffold.kinds.consert.names import published_class
+from eddi_scaffold.kinds.consert import graph, published_class
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from eddi_scaffold.yaml_text.nodes import shown
 

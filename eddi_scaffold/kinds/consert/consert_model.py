@@ -17,11 +17,11 @@ from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.consert import consert as model
+from eddi_scaffold.kinds.consert import published_class
 from eddi_scaffold.kinds.consert.checks import check_consert, static_checks
 from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.compose import why_not_fulfilled
 from eddi_scaffold.kinds.consert.graph import constants
-from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.kinds.consert.options import (
     ConSertOptions,
     read_options,

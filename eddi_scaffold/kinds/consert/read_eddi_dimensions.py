@@ -19,8 +19,8 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
+from eddi_scaffold.kinds.consert import class_name
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert.names import class_name
 
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"(?i)([-+]?)\.?inf(?:inity)?")
