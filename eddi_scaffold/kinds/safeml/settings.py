@@ -58,10 +58,8 @@ def read_settings(root: y.Map, file: str) -> tuple[SafeMLFile | None, list[Probl
             values[key] = read(node)
         except ValueError:
             fields = {"key": key, "expected": expected, "actual": y.describe(node)}
-            hint: str | None = None
-            if key == "distance_metric":
-                hint = did_you_mean(y.as_text(node) or "", METRICS)
-                hint = hint or f"there are: {', '.join(METRICS)}"
+            is_metric = key == "distance_metric"
+            hint = did_you_mean(y.as_text(node) or "", METRICS) if is_metric else None
             problems.append(problem("L001.value", node.place, hint=hint, **fields))
     if problems:
         return None, problems
@@ -127,7 +125,7 @@ KEYS: Mapping[str, tuple[Callable[[y.Node], Any], str]] = {
     ),
     "reference_sample_file": (_text, "the name of a CSV file"),
     "significance_level": (partial(_above_0, below=1.0), "a probability between 0 and 1"),
-    "distance_metric": (partial(_choice, METRICS), "a metric"),
+    "distance_metric": (partial(_choice, METRICS), f"one of {', '.join(METRICS)}"),
     "n_components": (
         lambda node: None if y.is_null(node) else _integer(node, 0, 10**9) or None,
         "a whole number of components, or null to test the features themselves,",
