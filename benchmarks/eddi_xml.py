@@ -162,7 +162,7 @@ def read(file: str) -> Iterator[None]:
     source = read_source(file)
     document, problems = read_document(source)
     assert document is not None
-    conserts, more = read_eddi(document, source, ())
+    conserts, more = read_eddi(document, source)
     assert len(conserts) == 2
     assert problems + more == []
     yield

@@ -221,11 +221,7 @@ class Model:
 
     @classmethod
     def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:  # noqa: ARG003 - of an event
-        """Return what the fields of its messages express of what is known.
-
-        Args:
-            claims: those on the topic; ``None``: they are not known.
-        """
+        """Return what the fields of its messages express of the claims on a topic, if known."""
         return _meanings(cls.kind)
 
     def check(self) -> Sequence[Problem]:
@@ -260,9 +256,7 @@ class Model:
         return replace(self, name=name)
 
     def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]] | None:
-        """Return key and values (tag, text) by which an EDDI holds the model.
-
-        ``None`` for a kind that is part of the metamodel.
+        """Return key and values (tag, text) by which an EDDI holds a model of no class of its own.
 
         Raises:
             EddiError: an EDDI cannot hold it.
@@ -274,9 +268,7 @@ class Model:
         return None
 
     def draft(self, options: Options) -> ModelDraft:
-        """Return what a configuration with these options has still to say.
-
-        An option may still be ``TODO``.
+        """Return what a configuration with these options, of which some are ``TODO``, has to say.
 
         Raises:
             EddiError: no monitor can be made of the model.
@@ -310,10 +302,7 @@ class Model:
         return ()
 
     def element_keys(self) -> Mapping[str, Sequence[str]]:
-        """Return path of a list in a message of the kind -> the keys of its elements.
-
-        As far as they are known (``output_nodes[Collision].outcomes`` -> ``High``, ...).
-        """
+        """Return path of a list in a message of the kind -> the known keys of its elements."""
         return {}
 
     def editable_modules(self) -> Sequence[EditableModule]:
@@ -331,9 +320,7 @@ class Model:
     def vectors(self, inputs: Sequence[BoundInput], about: Mapping[str, str]) -> str:
         """Return the test vectors of the configured model, made without what compiles it.
 
-        Args:
-            inputs: of the monitor.
-            about: the file of the model and its digest.
+        ``inputs`` are those of the monitor, ``about`` names the file of the model and its digest.
         """
         raise NotImplementedError
 
@@ -375,10 +362,7 @@ class Model:
         return ()
 
     def why_not_fulfilled(self, output: str, user: Model, item: str) -> str | None:
-        """Return why one of its outputs does not fulfil an input of another model.
-
-        ``None`` where it does, or where nothing is asked of that input.
-        """
+        """Return why one of its outputs does not fulfil what an input of another model asks for."""
         return None
 
 

@@ -9,6 +9,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import in_order
 from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.survey import survey
+from eddi_scaffold.kinds.consert.options import with_default_guarantees
 from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 
 if TYPE_CHECKING:
@@ -31,8 +32,9 @@ def read(data: bytes | str, *marks: str) -> tuple[tuple[ConSert, ...], list[Prob
     if document is None:
         return (), in_order(problems)
     survey(document)
-    conserts, more = read_eddi(document, source, marks)
-    return conserts, in_order([*problems, *more])
+    conserts, more = read_eddi(document, source)
+    marked, unclear = with_default_guarantees(conserts, marks, source.name)
+    return marked, in_order([*problems, *more, *unclear])
 
 
 def parsed(data: bytes | str) -> tuple[EddiDocument, list[Problem]]:

@@ -11,8 +11,8 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
+from eddi_scaffold.common.identifiers import RESERVED
 from eddi_scaffold.kinds import ClaimField, Kind, messages_in
-from eddi_scaffold.kinds.consert.names import published_class
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -37,7 +37,6 @@ def _status(status: Any) -> StatusReading:
     return StatusReading(verdicts, status.model_id, status.model_digest, tuple(status.accepted))
 
 
-_SUFFIXES = (".yml", ".yaml", ".json")
 _OWN_KEY = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:guarantees|tree_propagations|(?:provided|required)_services)"""
     rb"""["']?\s*:"""
@@ -45,7 +44,36 @@ _OWN_KEY = re.compile(
 
 
 def _recognises(source: Source) -> bool:
-    return source.name.lower().endswith(_SUFFIXES) and _OWN_KEY.search(source.data) is not None
+    is_yaml = source.name.lower().endswith((".yml", ".yaml", ".json"))
+    return is_yaml and _OWN_KEY.search(source.data) is not None
+
+
+def class_name(id_: str) -> str:
+    """Return the class name that SESAME D7.2 derives from an id: ``System_A_c2`` -> ``SystemAC2``.
+
+    By the rules of the ``Inflector`` library (0.11) that its generator used (Fig 9).
+    """
+    name, starts_word, last = "", True, ""
+    for char in id_:
+        if not char.isalnum() or char.isdigit():
+            starts_word = True
+            name += char if char.isdigit() else ""
+        elif starts_word:
+            starts_word = False
+            name += char.upper() if char.isascii() else char
+        elif "A" <= char <= "Z" and "a" <= last <= "z":
+            name += char
+        else:
+            last = char
+            name += char.lower() if char.isascii() else char
+    return name
+
+
+def published_class(id_: str) -> str:
+    """Return the class name of a guarantee as it is published, with ``_`` where it is reserved."""
+    name = class_name(id_)
+    # D7.2 has a class of that name
+    return f"{name}_" if name in RESERVED or name == "Unknown" else name
 
 
 KIND = Kind(

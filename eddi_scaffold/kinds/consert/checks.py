@@ -20,12 +20,10 @@ from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, did_you_mean, problem
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert import graph
-from eddi_scaffold.kinds.consert.names import published_class
+from eddi_scaffold.kinds.consert import graph, published_class
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from eddi_scaffold.yaml_text.nodes import shown
 
-_NO_UNIT = 'write its unit, such as `uom: percent`; `uom: ""` is a ratio, 0.2 for 20 %'
 _MOST_GUARANTEES = 64  # of one service that are compared with each other
 
 
@@ -57,8 +55,7 @@ def _check_numbers(dimension: model.NumericDimension, what: str, place: Place) -
             yield problem("C006.empty_range", here, name=covered.text(), subject=what)
     unit = dimension.uom
     if unit is None:
-        type_ = shown(dimension.type)
-        yield problem("C016.no_unit", place, hint=_NO_UNIT, type=type_, subject=what)
+        yield problem("C016.no_unit", place, type=shown(dimension.type), subject=what)
     elif units.find(unit) is None:
         similar = did_you_mean(unit, [spelling for spelling in units.spellings() if spelling])
         hint = "write percent" if unit == "%" else similar
@@ -121,10 +118,7 @@ def _check_support(consert: model.ConSert) -> Iterator[Problem]:
         if guarantee.default and has_support:
             yield problem("C011.default_with_support", guarantee.place, name=name)
         elif not guarantee.default and not has_support:
-            # an EDDI has no such flag
-            mark = "" if guarantee.place.path else "`default: true` or "
-            id_ = guarantee.id
-            yield problem("C011.no_support", guarantee.place, name=name, mark=mark, guarantee=id_)
+            yield problem("C011.no_support", guarantee.place, name=name, guarantee=guarantee.id)
     supporting = reached(inputs, (guarantee.id for guarantee in consert.guarantees))
     for gate in consert.gates:
         if not inputs[gate.id] and gate.id in supporting:

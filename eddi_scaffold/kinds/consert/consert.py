@@ -15,8 +15,6 @@ from typing import ClassVar, Literal
 from eddi_scaffold.common.graphs import Graph
 from eddi_scaffold.common.problems import Place
 
-NAME = "consert"
-
 Subset = Literal["Demand", "Guarantee", "Equals", "Intersection"]
 """How the values of a guarantee and of the demand that it fulfils lie to each other: those of the
 demand inside, those of the guarantee inside, the same, or some in common. The demand decides; a

@@ -17,17 +17,17 @@ from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert import read_eddi
+from eddi_scaffold.kinds.consert import published_class
 from eddi_scaffold.kinds.consert.checks import check_consert, static_checks
 from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.compose import why_not_fulfilled
 from eddi_scaffold.kinds.consert.graph import constants
-from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.kinds.consert.options import (
     ConSertOptions,
     read_options,
     with_default_guarantees,
 )
+from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 from eddi_scaffold.kinds.consert.read_short import read_consert
 from eddi_scaffold.kinds.consert.vectors import consert_vectors
 from eddi_scaffold.kinds.consert.verify import Proof
@@ -55,22 +55,21 @@ _LOOKS: dict[str, tuple[Shape, Tone, str]] = {
 class ConSertModel(Model):
     """A ConSert, and what its configuration chooses."""
 
-    kind: ClassVar[str] = model.NAME
+    kind: ClassVar[str] = "consert"
     data: model.ConSert = field(kw_only=True)
     options: ConSertOptions = field(default=ConSertOptions(), kw_only=True)
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
         consert, problems = read_consert(source)
-        conserts = () if consert is None else (consert,)
+        conserts = [] if consert is None else [consert]
         return _models(conserts, problems, source, default_guarantees)
 
     @classmethod
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
     ) -> ReadResult:
-        conserts, problems = read_eddi.read_eddi(document, source, default_guarantees)
-        return _models(conserts, problems, source, ())
+        return _models(*read_eddi(document, source), source, default_guarantees)
 
     def check(self) -> Sequence[Problem]:
         return [*static_checks(self.data)]

@@ -8,7 +8,6 @@ negation, so these sets describe a node completely. They are found from the leav
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
 from typing import TypeVar
 
 from eddi_scaffold.common.graphs import in_order
@@ -22,17 +21,6 @@ _MOST_WRITTEN_SETS, _MOST_WRITTEN_IDS = 64, 2_000
 Sets = frozenset[int]
 """Path sets as bit masks of leaves; empty: constant FALSE; with 0: constant TRUE."""
 Value = TypeVar("Value")
-
-
-class Work:
-    """What may still be spent on path sets: they can grow exponentially."""
-
-    remaining = _BUDGET
-
-    def spend(self, amount: int) -> bool:
-        """Take an amount of work; ``False`` when there is not enough left."""
-        self.remaining -= amount
-        return self.remaining >= 0
 
 
 def _values(
@@ -71,40 +59,38 @@ def constants(consert: ConSert) -> dict[str, bool | None]:
 
 
 def path_sets(consert: ConSert) -> dict[str, Sets | None]:
-    """Return the path sets of every node; ``None`` where there are too many."""
-    own: list[Sets | None] = [frozenset({1 << index}) for index in range(len(consert.leaves))]
-    return _values(consert, own, frozenset({0}), partial(_combined, Work()))
+    """Return the path sets of every node; ``None`` where there are too many, or not worth the work.
 
-
-def _combined(work: Work, inputs: Sequence[Sets | None], is_or: bool) -> Sets | None:
-    """Return the path sets of an And or Or over nodes with these path sets.
-
-    None where there are more than :data:`MOST_SETS`, or where they are not worth the work.
+    Above :data:`MOST_SETS` they are too many; their number can grow exponentially.
     """
-    known = [sets for sets in inputs if sets is not None]
-    if len(known) != len(inputs):
-        return None
-    if is_or:
-        return _minimal({mask for sets in known for mask in sets}, work)
-    result: Sets | None = frozenset({0})
-    for sets in known:
-        if result is None or len(result) * len(sets) > MOST_SETS * MOST_SETS:
-            return None
-        result = _minimal({first | second for first in result for second in sets}, work)
-    return result
+    remaining = _BUDGET  # comparisons
 
-
-def _minimal(masks: Iterable[int], work: Work) -> Sets | None:
-    """Return the masks that contain no other one; ``None`` beyond the most or the budget."""
-    minimal: list[int] = []
-    for mask in sorted(masks, key=lambda m: (m.bit_count(), m)):
-        if not work.spend(len(minimal) + 1):
-            return None
-        if not any(other & mask == other for other in minimal):
-            minimal.append(mask)
-            if len(minimal) > MOST_SETS:
+    def minimal(masks: Iterable[int]) -> Sets | None:
+        nonlocal remaining
+        result: list[int] = []
+        for mask in sorted(masks, key=lambda m: (m.bit_count(), m)):
+            remaining -= len(result) + 1
+            if not any(other & mask == other for other in result):
+                result.append(mask)
+            if remaining < 0 or len(result) > MOST_SETS:
                 return None
-    return frozenset(minimal)
+        return frozenset(result)
+
+    def combined(inputs: Sequence[Sets | None], is_or: bool) -> Sets | None:
+        known = [sets for sets in inputs if sets is not None]
+        if len(known) != len(inputs):
+            return None
+        if is_or:
+            return minimal({mask for sets in known for mask in sets})
+        result: Sets | None = frozenset({0})
+        for sets in known:
+            if result is None or len(result) * len(sets) > MOST_SETS * MOST_SETS:
+                return None
+            result = minimal({first | second for first in result for second in sets})
+        return result
+
+    own: list[Sets | None] = [frozenset({1 << index}) for index in range(len(consert.leaves))]
+    return _values(consert, own, frozenset({0}), combined)
 
 
 def written_paths(consert: ConSert) -> list[list[tuple[str, ...]]] | None:

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
-from eddi_scaffold.kinds.consert import OPTION_KEYS
+from eddi_scaffold.kinds.consert import OPTION_KEYS, published_class
 from eddi_scaffold.kinds.consert.consert import ConSert
-from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.yaml_text.nodes import shown
 
 if TYPE_CHECKING:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
@@ -11,23 +12,18 @@ from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert.options import with_default_guarantees
 from eddi_scaffold.kinds.consert.read_eddi_dimensions import DimensionReader
 
-MAX_NODES = 100_000
 MAX_EDGES = 1_000_000
+_INTEGER = re.compile(r"\s*[-+]?[0-9]{1,9}\s*")
 _FUNCTIONS: dict[str, model.GateFunction] = {"and": "And", "or": "Or"}
 _NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
 
 
-def read_eddi(
-    document: EddiDocument, source: Source, default_guarantees: Sequence[str] = ()
-) -> tuple[tuple[model.ConSert, ...], list[Problem]]:
-    """Read every ConSert of a document; the file's stem names one without a name.
+def read_eddi(document: EddiDocument, source: Source) -> tuple[list[model.ConSert], list[Problem]]:
+    """Read every ConSert of a document without an error of the XML form, and what is wrong.
 
-    Returns:
-        The ConSerts without an error of the XML form, and all problems found. A file without
-        ConSerts gives neither.
+    The file's stem names one without a name.
     """
     findings = EddiFindings(document)
     conserts: list[model.ConSert] = []
@@ -46,10 +42,7 @@ def read_eddi(
         elif consert is not None:
             conserts.append(consert)
         first.setdefault(name, element)
-    if not first:
-        return (), findings.problems()
-    marked, unclear = with_default_guarantees(conserts, default_guarantees, source.name)
-    return marked, [*findings.problems(), *unclear]
+    return conserts, findings.problems()
 
 
 def consert_elements(document: EddiDocument) -> Iterator[Element]:
@@ -78,10 +71,6 @@ class _ConSertReader:
         """Return the ConSert, ``None`` when it has an error."""
         errors = self.findings.errors
         children = {part: self.document.children(self.element, part) for part in _NODES}
-        number = sum(len(elements) for elements in children.values())
-        if number > MAX_NODES:
-            self.findings.report("X003.nodes", self.element, number=number, limit=MAX_NODES)
-            return None
         place, dimensions = self.document.place, self.dimensions
         guarantees = [
             model.Guarantee(
@@ -115,22 +104,15 @@ class _ConSertReader:
                 for guarantee in guarantees
                 if not guarantee.default and guarantee.id in supported
             ]
-        required = self._services(
-            children[names.DEMANDS],
-            names.REQUIRED_SERVICE,
-            names.REQUIRED_SERVICES,
-            names.DEMANDS,
-            (names.PROVIDED_ELSEWHERE, names.PROVIDED_SERVICES),
+        own = names.REQUIRED_SERVICES, names.PROVIDED_SERVICES
+        rows = self._services(
+            children, names.DEMANDS, names.REQUIRED_SERVICE, names.PROVIDED_ELSEWHERE, *own
         )
-        provided = self._services(
-            children[names.GUARANTEES],
-            names.PROVIDED_SERVICE,
-            names.PROVIDED_SERVICES,
-            names.GUARANTEES,
-            (names.ALLOCATED, names.REQUIRED_SERVICES),
+        required_services = tuple(model.RequiredService(*row) for row in rows)
+        rows = self._services(
+            children, names.GUARANTEES, names.PROVIDED_SERVICE, names.ALLOCATED, *own[::-1]
         )
-        required_services = tuple(model.RequiredService(*row) for row in required)
-        provided_services = tuple(model.ProvidedService(*row) for row in provided)
+        provided_services = tuple(model.ProvidedService(*row) for row in rows)
         if self.findings.errors > errors:
             return None
         link, ends = names.SERVICE_CONFIGURATION, names.SERVICE_CONFIGURATIONS
@@ -166,12 +148,11 @@ class _ConSertReader:
 
     def _ranking(self, element: Element) -> int | None:
         text = self.document.attribute(element, names.RANKING)
-        digits = (text or "0").strip().removeprefix("-").removeprefix("+")
-        if not (digits.isascii() and digits.isdigit() and len(digits) <= 9):
-            fields = {"attribute": names.RANKING.name, "text": (text or "")[:60]}
-            self.findings.report("X011.integer", element, **fields)
-            return None
-        return None if text is None else int(text)
+        if text is None or _INTEGER.fullmatch(text):
+            return None if text is None else int(text)
+        fields = {"attribute": names.RANKING.name, "text": text[:60]}
+        self.findings.report("X011.integer", element, **fields)
+        return None
 
     def _evidence(self, element: Element) -> model.Evidence:
         id_, place = self._id(element), self.document.place(element)
@@ -232,21 +213,18 @@ class _ConSertReader:
         for end in ends:
             if end in self.ids:
                 continue
-            where, hint = "which is not a node", None
-            if any(part.accepts(feature_of(end)) for part in _NODES):
-                where = "of another ConSert"
-                hint = "ConSerts are connected by services: a demand there, a guarantee here"
-            fields = {"feature": spelling.name, "end": self.document.describe(end), "where": where}
-            self.findings.report("X009.edge", element, hint=hint, **fields)
+            fields = {"feature": spelling.name, "end": self.document.describe(end)}
+            self.findings.report("X009.edge", element, **fields)
         return [self.ids[end] for end in ends if end in self.ids]
 
     def _services(
         self,
-        elements: Iterable[Element],
-        link: Spelling,
-        feature: Spelling,
+        nodes: Mapping[Spelling, Sequence[Element]],
         member: Spelling,
-        allocations: tuple[Spelling, Spelling],
+        link: Spelling,
+        allocation: Spelling,
+        feature: Spelling,
+        allocated: Spelling,
     ) -> Iterator[tuple[str, str, tuple[str, ...], Place, tuple[Place, ...]]]:
         """Yield id, type, members, place of services, and to what they are allocated.
 
@@ -254,7 +232,7 @@ class _ConSertReader:
         configuration around a ConSert, list these in ``member``.
         """
         members: dict[Element, list[str]] = {}
-        for element in elements:
+        for element in nodes[member]:
             for service in self.findings.targets(element, link, feature):
                 members.setdefault(service, []).append(self.ids[element])
         configuration = self._configuration()
@@ -276,7 +254,7 @@ class _ConSertReader:
             if not type_:
                 owner = self.document.describe(service)
                 self.findings.report("X010.service_type", service, owner=owner)
-            others = self.findings.targets(service, *allocations)
+            others = self.findings.targets(service, allocation, allocated)
             places = tuple(map(self.document.place, others))
             place = self.document.place(service)
             yield self._name(service), type_ or "", tuple(ids), place, places

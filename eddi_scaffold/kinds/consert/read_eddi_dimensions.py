@@ -19,8 +19,8 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
+from eddi_scaffold.kinds.consert import class_name
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert.names import class_name
 
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"(?i)([-+]?)\.?inf(?:inity)?")
@@ -84,9 +84,9 @@ class DimensionReader:
 
     def english(self, text: str, element: Element) -> model.Dimension:
         """Read one English text."""
-        dimension, remark = read_english(text)
-        if remark is not None:
-            fields = {"text": _shortened(text), "reason": remark, "type": dimension.type}
+        dimension, is_read = read_english(text)
+        if not is_read:
+            fields = {"text": _shortened(text), "type": dimension.type}
             self.findings.report("X014.bound", element, **fields)
         return dimension
 
@@ -255,22 +255,17 @@ def _shortened(text: str) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def read_english(text: str) -> tuple[model.Dimension, str | None]:
-    """Read a dimension from English text, and return why a bound of it could not be read."""
+def read_english(text: str) -> tuple[model.Dimension, bool]:
+    """Read a dimension from English text, and return whether its bound, if any, could be read."""
     statement = text.partition(":")[0].strip()  # an integrity level follows, which is not used
     operator = next((operator for operator in _OPERATORS if operator in statement), None)
     binary = model.BinaryDimension(class_name(statement) or statement)
     if operator is None:
-        remark = "there is no operator <=, >=, <, > or bound to"
-        return binary, remark if "=" in statement else None
+        return binary, "=" not in statement
     subject, _, rest = statement.partition(operator)
     bound = _ENGLISH_BOUND.fullmatch(rest.strip())
-    if bound is None:
-        return binary, f'"{rest.strip()}" is not a number with a unit'
-    if bound[2] is not None and units.find(bound[2]) is None:
-        return binary, f'the unit "{bound[2]}" is unknown'
-    if not class_name(subject):
-        return binary, "there is nothing before the operator"
+    if bound is None or (bound[2] and units.find(bound[2]) is None) or not class_name(subject):
+        return binary, False
     limit = model.Bound(bound[1], float(bound[1]))
     if operator == ">":
         # A range always contains its start, so it starts at the next double.
@@ -279,4 +274,4 @@ def read_english(text: str) -> tuple[model.Dimension, str | None]:
     covered = model.Range(limit, model.Bound("inf", math.inf), inclusive=True)
     if operator not in (">", ">="):
         covered = model.Range(model.Bound("0.0", 0.0), limit, inclusive=operator != "<")
-    return model.NumericDimension(class_name(subject), (covered,), "Guarantee", bound[2]), None
+    return model.NumericDimension(class_name(subject), (covered,), "Guarantee", bound[2]), True

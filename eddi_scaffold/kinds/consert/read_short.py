@@ -231,20 +231,18 @@ class _Expansion(Reader):
     def _services(
         self, services: list[_Declared], known: list[_Declared], kind: str
     ) -> list[y.Node]:
-        """Return the services whose members are there."""
-        ids = {item.id for item in known}
-        similar = SimilarNames(sorted(ids))
+        ids = {item.id: None for item in known}
+        similar = SimilarNames(ids)
         nodes: list[y.Node] = []
         for item in services:
-            unknown = [member for member in y.scalars_of(item.main) if member.text not in ids]
-            for member in unknown:
-                hint = similar.hint(member.text)
-                fields = {"name": item.what, "kind": kind, "member": y.shown(member.text)}
-                self.report("C008.unknown_member", member, hint=hint, **fields)
-            if not unknown:
-                type_ = item.parts.get("type", item.key)
-                node = {"id": item.key, "functional_service_type": type_, f"{kind}s": item.main}
-                nodes.append(y.map_of(item.key.place, node))
+            for member in y.scalars_of(item.main):
+                if member.text not in ids:
+                    fields = {"name": item.what, "kind": kind, "member": y.shown(member.text)}
+                    hint = similar.hint(member.text)
+                    self.report("C008.unknown_member", member, hint=hint, **fields)
+            type_ = item.parts.get("type", item.key)
+            node = {"id": item.key, "functional_service_type": type_, f"{kind}s": item.main}
+            nodes.append(y.map_of(item.key.place, node))
         return nodes
 
 

@@ -13,8 +13,6 @@ from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
-_SHORT = ", or the short form: `guarantees: {MayDrive: PathIsFree AND Charge}`"
-
 Read = Callable[["Reader", y.Node, str, str], Any]
 """Reads a node, given what it is and what it is in, for messages; ``None`` after a problem."""
 
@@ -85,8 +83,8 @@ class Reader:
         absent = [key for key in known if key not in present]
         for key in absent:
             if not known[key].is_optional:
-                hint = f"write `{key}: []` for none{_SHORT}" if form.fields is _SECTIONS else None
-                self.report("C002.no_key", node, hint=hint, subject=what, key=key)
+                case = "C002.no_section" if form.fields is _SECTIONS else "C002.no_key"
+                self.report(case, node, subject=what, key=key)
         similar = SimilarNames(absent)
         for name, _ in node.entries:
             if name.text not in known:
@@ -179,11 +177,7 @@ def _variant_of(title: str, forms: Mapping[str, Form]) -> Read:
         if key.text not in known:
             reader.unknown_word(key, title, known)
             return None
-        form = forms[key.text]
-        if form.fields is _ENDS and isinstance(content, y.Items) and len(content.items) == 2:
-            ends = zip(("start", "end"), content.items, strict=True)
-            content = y.Map(tuple((y.Scalar(end, plain=True), value) for end, value in ends))
-        return reader.element(content, f"{key.text!r} in {what}", form, node.place)
+        return reader.element(content, f"{key.text!r} in {what}", forms[key.text], node.place)
 
     return read_variant
 

@@ -16,8 +16,7 @@ from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResu
 from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.kinds.safeml.plan import plan
-from eddi_scaffold.kinds.safeml.reference import read_named
-from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, NAME, Plan, SafeMLFile, SafeMLOptions
+from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, Plan, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import as_eddi_map, read_settings, settings_of_eddi
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
 from eddi_scaffold.kinds.safeml.thresholds import critical_values
@@ -25,6 +24,7 @@ from eddi_scaffold.kinds.safeml.vectors import safeml_vectors
 from eddi_scaffold.kinds.safeml.verify import verify
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
+from eddi_scaffold.yaml_text.nodes import read_map
 
 DEFAULT_INPUT = "sample"
 _PERIODS = 10  # Steps without a sample after which a window is too old, unless `max_age` is given
@@ -34,7 +34,7 @@ _PERIODS = 10  # Steps without a sample after which a window is too old, unless 
 class SafeMLModel(Model):
     """A reference, and how what is seen is compared with it."""
 
-    kind: ClassVar[str] = NAME
+    kind: ClassVar[str] = "safeml"
     data: SafeMLFile = field(kw_only=True)
     # `None` before it is configured
     options: SafeMLOptions | None = field(default=None, kw_only=True)
@@ -42,14 +42,14 @@ class SafeMLModel(Model):
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
         """Read ``safeml_config.yml`` and the reference that it names, relative to it."""
-        settings, problems = read_settings(source)
-        if settings is None:
+        root, problems = read_map(source, "L001")
+        if root is None:
+            return ReadResult((), tuple(problems))
+        file, more = read_settings(root, source.name)
+        problems += more
+        if file is None or problems:
             return ReadResult((), tuple(in_order(problems)))
-        reference, problems = read_named(source.name, settings)
-        if reference is None:
-            return ReadResult((), tuple(in_order(problems)))
-        file = SafeMLFile(settings, reference)
-        return ReadResult((cls(source.stem, source, settings.place(""), data=file),), ())
+        return ReadResult((cls(source.stem, source, root.place, data=file),), ())
 
     @classmethod
     def read_eddi(

@@ -17,7 +17,6 @@ from eddi_runtime.safeml.arrays import rounded
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place
 
-NAME = "safeml"
 Rows = npt.NDArray[np.float64]
 _NEGLIGIBLE = 1e-9
 """Residuals below this part of the longest sample are rounding noise and count as 0."""

@@ -1,21 +1,18 @@
 """Reading ``safeml_config.yml``: every key with its type and range, all problems at once.
 
-In an EDDI a map ``eddi.safeml`` has the same keys. Its values become the lines of such a file,
-which is read as one.
+In an EDDI a map ``eddi.safeml`` has the same keys.
 """
 
 from __future__ import annotations
 
-import json
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
+from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.eddi_xml.extensions import (
     MODEL,
     SAFEML,
@@ -42,12 +39,9 @@ _REQUIRED = {
 """The keys of SESAME D7.2 Fig 23 without which nothing can be compared, each with a value."""
 
 
-def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]:
-    """Read a configuration, ``None`` when a problem is an error (L001)."""
-    root, problems = y.read_map(source, "L001")
-    if root is None:
-        return None, problems
-    problems += [
+def read_settings(root: y.Map, file: str) -> tuple[SafeMLFile | None, list[Problem]]:
+    """Read a configuration and the reference that it names, relative to its file (L001, L004)."""
+    problems = [
         problem("L001.missing", root.place, key=key, shown=value)
         for key, value in _REQUIRED.items()
         if root.get(key) is None
@@ -64,16 +58,16 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
             values[key] = read(node)
         except ValueError:
             fields = {"key": key, "expected": expected, "actual": y.describe(node)}
-            hint: str | None = None
-            if key == "distance_metric":
-                hint = did_you_mean(y.as_text(node) or "", METRICS)
-                hint = hint or f"there are: {', '.join(METRICS)}"
+            is_metric = key == "distance_metric"
+            hint = did_you_mean(y.as_text(node) or "", METRICS) if is_metric else None
             problems.append(problem("L001.value", node.place, hint=hint, **fields))
     if problems:
         return None, problems
     values["metric"] = values.pop("distance_metric")
     places = {key.text: node.place for key, node in root.entries}
-    return SafeMLSettings(**values, places={"": root.place, **places}), []
+    settings = SafeMLSettings(**values, places={"": root.place, **places})
+    reference, problems = read_named(file, settings)
+    return (None if reference is None else SafeMLFile(settings, reference)), problems
 
 
 def _number(node: y.Node) -> float:
@@ -131,7 +125,7 @@ KEYS: Mapping[str, tuple[Callable[[y.Node], Any], str]] = {
     ),
     "reference_sample_file": (_text, "the name of a CSV file"),
     "significance_level": (partial(_above_0, below=1.0), "a probability between 0 and 1"),
-    "distance_metric": (partial(_choice, METRICS), "a metric"),
+    "distance_metric": (partial(_choice, METRICS), f"one of {', '.join(METRICS)}"),
     "n_components": (
         lambda node: None if y.is_null(node) else _integer(node, 0, 10**9) or None,
         "a whole number of components, or null to test the features themselves,",
@@ -169,7 +163,6 @@ def export(file: SafeMLFile, name: str, reference: str = "reference.csv") -> Map
 
 DIGEST, ARTIFACT = "reference_sample_sha256", "artifact"
 _KNOWN = (MODEL, *KEYS, DIGEST, ARTIFACT)
-_PLAIN = re.compile(r"[-+.]?[A-Za-z0-9][A-Za-z0-9_.+-]*", re.ASCII)
 
 
 def settings_of_eddi(
@@ -181,14 +174,23 @@ def settings_of_eddi(
     gids = [str(gid) for root in document.roots for gid in select(root, ".//@gid")]
     for extension_map in extension_maps(document, SAFEML):
         faults = [*unknown_tags(extension_map, _KNOWN, _KNOWN)]
-        for value in extension_map.of(ARTIFACT):
-            if value.text not in gids:
-                hint = did_you_mean(value.text, gids)
-                faults.append(problem("L004.gid", value.place, hint=hint, gid=value.text))
+        faults += [
+            problem("L004.gid", value.place, hint=did_you_mean(value.text, gids), gid=value.text)
+            for value in extension_map.of(ARTIFACT)
+            if value.text not in gids
+        ]
         if extension_map.model is not None and not has_errors(faults):
-            file, text, more = _file(extension_map, source.name)
-            faults += more
+            values = extension_map.of(*KEYS)
+            nodes = {v.tag: y.Scalar(v.text, plain=True, place=v.place) for v in values}
+            file, more = read_settings(y.map_of(extension_map.place, nodes), source.name)
+            sha256 = "" if file is None else file.reference.source.sha256
+            faults += more + [
+                problem("L004.digest", value.place, sha256=sha256, expected=value.text)
+                for value in extension_map.of(DIGEST)
+                if sha256 and value.text.lower() != sha256
+            ]
             if file is not None and not has_errors(faults):
+                text = "".join(f"{value.tag}: {value.text}\n" for value in values)
                 files.append((extension_map, replace(source, part=text.encode()), file))
         problems += faults
     return files, problems
@@ -200,33 +202,3 @@ def as_eddi_map(name: str, file: SafeMLFile) -> tuple[str, Sequence[tuple[str, s
     pairs = [line.partition(": ")[::2] for line in text.splitlines()]
     values = [(key, value) for key, value in pairs if value != "null"]
     return SAFEML, [(MODEL, name), *values, (DIGEST, file.reference.source.sha256)]
-
-
-def _file(extension_map: ExtensionMap, name: str) -> tuple[SafeMLFile | None, str, list[Problem]]:
-    """Read the values as a configuration whose lines they are: words as they are, or in quotes."""
-    values = extension_map.of(*KEYS)
-    texts = [v.text if _PLAIN.fullmatch(v.text) else json.dumps(v.text) for v in values]
-    lines = [f"{value.tag}: {text}\n" for value, text in zip(values, texts, strict=True)]
-    text = "".join(lines)
-    settings, problems = read_settings(Source(name, (text or "{}").encode()))
-
-    def placed(place: Place) -> Place:
-        inside = 0 < (place.line or 0) <= len(values) and place != Place(name, 1, 1)
-        return values[(place.line or 1) - 1].place if inside else extension_map.place
-
-    problems = [replace(problem, place=placed(problem.place), excerpt=None) for problem in problems]
-    if settings is None:
-        return None, text, problems
-    places = {value.tag: value.place for value in values}
-    settings = replace(settings, places={"": extension_map.place, **places})
-    reference, more = read_named(name, settings)
-    problems += more
-    if reference is None:
-        return None, text, problems
-    sha256 = reference.source.sha256
-    problems += [
-        problem("L004.digest", value.place, sha256=sha256, expected=value.text)
-        for value in extension_map.of(DIGEST)
-        if value.text.lower() != sha256
-    ]
-    return SafeMLFile(settings, reference), text, problems

@@ -48,7 +48,9 @@ def largest_statistics(
     length = (comparison.m - 1) * stride + 1
     starts = np.arange(0, series.shape[1] - length + 1, distance)
     inside = np.arange(comparison.m) * stride
-    lower, upper = _ranks(comparison, series)
+    # how many reference values are below each value, and how many are not above it
+    ranks, reference = comparison.backend.ranks, comparison.reference
+    lower, upper = (ranks(reference, series, equal=equal) for equal in (False, True))
     is_tied = bool((lower != upper).any())
     count = max(1, _AT_ONCE // (comparison.tests * comparison.m))
     largest = []
@@ -58,12 +60,6 @@ def largest_statistics(
         statistics = comparison.of_ranks(low, high if is_tied else None, comparison.counts(values))
         largest.append(statistics.max(axis=1))
     return np.concatenate(largest)
-
-
-def _ranks(comparison: Comparison, series: Rows) -> list[npt.NDArray[np.int64]]:
-    """Return how many reference values are below each value, and how many are not above it."""
-    ranks, reference = comparison.backend.ranks, comparison.reference
-    return [ranks(reference, series, equal=equal) for equal in (False, True)]
 
 
 def autocorrelation(series: Rows) -> tuple[float, int]:
@@ -94,11 +90,9 @@ def theoretical(metric: Metric, n: int, m: int, level: float) -> tuple[float, st
     """
     if metric != "ks":
         return critical_value(metric, level, n, m), "limit"
-    return (
-        (_ks_exact(n, m, level), "exact")
-        if n * m <= MOST_EXACT
-        else (ks_asymptotic(n, m, level), "asymptotic")
-    )
+    if n * m > MOST_EXACT:
+        return ks_asymptotic(n, m, level), "asymptotic"
+    return _ks_exact(n, m, level), "exact"
 
 
 def ks_asymptotic(n: int, m: int, level: float) -> int:

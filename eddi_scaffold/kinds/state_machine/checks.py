@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 
 from eddi_scaffold.common.graphs import cycles, reached
@@ -14,10 +13,11 @@ from eddi_scaffold.kinds.state_machine.options import Settings
 def check_machine(machine: StateMachine) -> list[Problem]:
     """Return the errors of a machine; without one, what to look at."""
     errors = []
-    for name, number in Counter(state.name for state in machine.states).items():
-        if number > 1:
-            place = [state.place for state in machine.states if state.name == name][1]
-            errors.append(problem("P002.state_twice", place, state=name))
+    seen = set[str]()
+    for state in machine.states:
+        if state.name in seen:
+            errors.append(problem("P002.state_twice", state.place, state=state.name))
+        seen.add(state.name)
     initial = [state.name for state in machine.states if state.is_initial]
     if not initial:
         errors.append(problem("P002.no_initial", machine.place, machine=machine.name))
@@ -42,9 +42,6 @@ def _states(machine: StateMachine, initial: list[str]) -> Iterator[Problem]:
             yield problem("P004.fail_left", state.place, state=state.name)
         elif not state.is_fail and not following[state.name]:
             yield problem("P004.dead_end", state.place, state=state.name)
-    for action in machine.actions():
-        if action.kind == "function" and action.text.count("=") > 1:
-            yield problem("P004.function", action.place, text=action.text)
 
 
 def _transitions(machine: StateMachine) -> Iterator[Problem]:

@@ -10,8 +10,6 @@ from functools import cached_property
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.program.gates import Gate
 
-NAME = "state_machine"
-
 
 @dataclass(frozen=True)
 class Action:

@@ -184,11 +184,9 @@ class _Reader:
             return Value(how="an action of a state, in the step before")
         if not trigger.is_external and (condition := self.of_text(trigger)) is not None:
             return Value(condition, how="a condition")
-        name = self.own(text, each=trigger.is_external)
-        how = f"the input {name}"
-        if trigger.is_external:
-            return Value(None, name, how=how)
-        return Value(program_of({}, name, {name: name}, self.rate), how=how)
+        name, is_order = self.own(text, each=trigger.is_external), trigger.is_external
+        program = None if is_order else program_of({}, name, {name: name}, self.rate)
+        return Value(program, name if is_order else "", how=f"the input {name}")
 
     def configured(self, value: Any, trigger: Trigger, *path: str | int) -> Value:
         entry = value if isinstance(value, Mapping) else {"expression": value}
@@ -196,14 +194,14 @@ class _Reader:
         absent, text = entry.get("absent", False), entry.get("expression")
         if not isinstance(absent, bool):
             self.report("P001.value", *path, "absent", key="absent", expected="true or false")
-        if text is None:  # only that it may be absent
-            of_file = self.value(trigger, {})
-            return replace(of_file, is_absent=absent is True)
         path = (*path, "expression") if isinstance(value, Mapping) else path
-        if trigger.is_external:
-            return replace(self.of_messages(text, *path), is_absent=absent is True)
-        condition = self.condition(text, *path)
-        return Value(condition, is_absent=absent is True, how=f"the condition {text}")
+        if text is None:  # only that it may be absent
+            of = self.value(trigger, {})
+        elif trigger.is_external:
+            of = self.of_messages(text, *path)
+        else:
+            of = Value(self.condition(text, *path), how=f"the condition {text}")
+        return replace(of, is_absent=absent is True)
 
     def of_messages(self, text: Any, *path: str | int) -> Value:
         """Return the value of an order: of an input each message counts, else a condition."""
@@ -322,10 +320,9 @@ class _Reader:
         if value == FAIL_STATES and value not in self.machine.state:
             return list(self.machine.fail)
         states = [*map(str, value if isinstance(value, list) else [value])]
-        for number, state in enumerate(states):
+        for state in states:
             if state not in self.machine.state:
-                place = (*path, number) if isinstance(value, list) else path
-                self.unknown("state", state, [*self.machine.state], *place)
+                self.unknown("state", state, [*self.machine.state], *path)
         return states
 
     def duration(self, value: Any, *path: str | int) -> float | None:

@@ -10,18 +10,19 @@ from typing import ClassVar
 
 from eddi_scaffold import kinds
 from eddi_scaffold.common.claims import Acceptance, Claim, Element, held
+from eddi_scaffold.common.escaping import markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, in_order, problem
 from eddi_scaffold.conditions.lags import lags
-from eddi_scaffold.diagrams import Diagram
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.evidence.emitted import Emitted
-from eddi_scaffold.kinds.state_machine import SUFFIX, show
+from eddi_scaffold.kinds.state_machine import SUFFIX
 from eddi_scaffold.kinds.state_machine.checks import check_machine, check_settings
 from eddi_scaffold.kinds.state_machine.compile import actions_module, compile_machine
-from eddi_scaffold.kinds.state_machine.machine import NAME, StateMachine
+from eddi_scaffold.kinds.state_machine.machine import StateMachine, Transition
 from eddi_scaffold.kinds.state_machine.options import Evidence, Settings, Value, read_settings
 from eddi_scaffold.kinds.state_machine.read_eddi import read_machines
 from eddi_scaffold.kinds.state_machine.vectors import state_machine_vectors
@@ -29,12 +30,18 @@ from eddi_scaffold.kinds.state_machine.verify import verify
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
+_LEGEND = (
+    LegendEntry("state", "rounded", "neutral"),
+    LegendEntry("initial state", "rounded", "input"),
+    LegendEntry("fail state", "rounded", "warning"),
+)
+
 
 @dataclass(frozen=True)
 class StateMachineModel(kinds.Model):
     """A state machine; its settings come from a configuration, ``None`` without one."""
 
-    kind: ClassVar[str] = NAME
+    kind: ClassVar[str] = "state_machine"
     data: StateMachine = field(kw_only=True)
     configured: Settings | None = field(default=None, kw_only=True)
 
@@ -71,7 +78,20 @@ class StateMachineModel(kinds.Model):
         return {key: len(part) for key, part in parts.items()} | {"actions": len([*of.actions()])}
 
     def outline(self) -> Sequence[str]:
-        return [*show.outline(self.data, self.settings)]
+        """Return the states with their transitions, what the triggers are, and what is claimed."""
+        lines, settings = list[str](), self.settings
+        for state in self.data.states:
+            marks = ", ".join(["initial"] * state.is_initial + ["fail"] * state.is_fail)
+            lines.append(f"{state.name} ({marks})" if marks else state.name)
+            lines += [f"  {when}: {action.kind} {action.text}" for when, action in state.actions()]
+            leaving = self.data.leaving[state.name]
+            lines += [f"  -> {each.target}: {_condition(each)}" for each in leaving]
+        for trigger, value in zip(self.data.triggers, settings.values, strict=True):
+            words = [value.how, *(["persistent"] if trigger.is_persistent else [])]
+            words += ["unknown counts as false"] if value.is_absent else []
+            lines.append(f"trigger {trigger.text}: {', '.join(filter(None, words))}")
+        claims = [f"evidence {evidence.id}: {evidence.text}" for evidence in settings.evidence]
+        return [*lines, f"start {settings.start}", *claims]
 
     def write(self) -> Mapping[str, str]:
         """Return the EDDI itself, of which only the state machine counts in a file of this name."""
@@ -84,7 +104,18 @@ class StateMachineModel(kinds.Model):
         return {f"{self.safe_name}{SUFFIX}{suffix}": text}
 
     def diagram(self) -> Diagram:
-        return show.picture(self.data)
+        nodes = []
+        for state in self.data.states:
+            tone: Tone = "warning" if state.is_fail else "input" if state.is_initial else "neutral"
+            actions = [f"{moment}: {action.text}" for moment, action in state.actions()]
+            nodes.append(DiagramNode(state.name, (state.name, *actions), "rounded", tone))
+        transitions = self.data.transitions
+        edges = tuple(DiagramEdge(of.source, of.target, _condition(of)) for of in transitions)
+        tones = {node.tone for node in nodes}
+        legend = tuple(entry for entry in _LEGEND if entry.tone in tones)
+        text = f"{len(nodes)} states, {len(edges)} transitions"
+        title = f"State machine {self.data.name}"
+        return Diagram(title, tuple(nodes), edges, "down", legend, text)
 
     def draft(self, options: kinds.Options) -> kinds.ModelDraft:
         """Return its inputs, and the start, which a person has to decide."""
@@ -119,7 +150,13 @@ class StateMachineModel(kinds.Model):
         return actions_module(self.data)
 
     def readme(self) -> Sequence[str]:
-        return show.readme(self.data, self.settings)
+        """Return the transitions in the order in which they count, and what is claimed."""
+        ordered = [each for of in self.data.state for each in self.data.leaving[of]]
+        rows = [(each.source, each.target, _condition(each)) for each in ordered]
+        claims = [(evidence.id, evidence.text) for evidence in self.settings.evidence]
+        lines = _table(("from", "to", "when"), *rows)
+        heads = ("evidence", "active while each possible state is")
+        return [*lines, "", *_table(heads, *claims)] if claims else lines
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_machine(self.data, self.settings, declaration)
@@ -182,3 +219,14 @@ class StateMachineModel(kinds.Model):
             ),
             *(Element("evidence", evidence.id) for evidence in self.settings.evidence),
         ]
+
+
+def _condition(transition: Transition) -> str:
+    texts = " or ".join(trigger.text for trigger in transition.triggers)
+    after = "" if transition.after is None else f"after {transition.after:g} s"
+    return f"{texts}, {after}" if texts and after else texts or after or "never"
+
+
+def _table(*rows: tuple[str, ...]) -> list[str]:
+    lines = [f"| {' | '.join(map(markdown_text, row))} |" for row in rows]
+    return [lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from eddi_scaffold.common import identifiers
 from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import RESERVED
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.consert import MESSAGES, names
+from eddi_scaffold.kinds.consert import MESSAGES, published_class
 from eddi_scaffold.kinds.consert.consert import BinaryDimension, Bound, ConSert, Guarantee, Range
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.options import ConSertOptions, with_default_guarantees
@@ -24,7 +25,7 @@ from tests.program.formatting import HOSTILE, assert_plain_data
 
 
 def test_the_reserved_words_hold_those_of_this_python():
-    assert set(keyword.kwlist) | set(keyword.softkwlist) <= names.RESERVED
+    assert set(keyword.kwlist) | set(keyword.softkwlist) <= RESERVED
 
 
 @pytest.mark.parametrize(
@@ -42,7 +43,7 @@ def test_the_reserved_words_hold_those_of_this_python():
 )
 def test_names_of_awkward_ids(id_, attribute, published):
     assert identifiers.attribute(id_) == attribute
-    assert names.published_class(id_) == published
+    assert published_class(id_) == published
 
 
 @given(st.text(min_size=1))

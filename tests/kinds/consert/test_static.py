@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert import names
+from eddi_scaffold.kinds.consert import class_name
 from eddi_scaffold.kinds.consert.checks import static_checks
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
@@ -42,8 +42,8 @@ def test_names_agree():
     wrong = []
     for case in oracle()["names"]:
         id_ = case["id"]
-        if names.class_name(id_) != case["class"]:
-            wrong.append((id_, names.class_name(id_)))
+        if class_name(id_) != case["class"]:
+            wrong.append((id_, class_name(id_)))
     assert wrong == []
 
 
