@@ -140,11 +140,7 @@ class FleetFile(Placed):
     overrides: Mapping[tuple[int, int], Map]
 
     def files(self, robot: int, monitor: int) -> tuple[Path, Path | None]:
-        """Return where configuration and model of a monitor are.
-
-        Raises:
-            EddiError: one is not in the folder of this file, or below (F009), or not there (F001).
-        """
+        """Return where configuration and model of a monitor are (EddiError as `existing_file`)."""
         entry = self.form.Robots[robot].monitors[monitor]
         path = (ROBOTS, robot, "monitors", monitor)
         config = existing_file(self.name, entry.config, self.place(*path, "config"))

@@ -189,11 +189,7 @@ class ConfigFile(Placed):
 
 
 def from_data(data: object, name: str) -> ConfigFile:
-    """Read back what ``ConfigFile.as_data`` returned.
-
-    Raises:
-        ValueError: a person or a merge has damaged it.
-    """
+    """Read back what ``ConfigFile.as_data`` returned (ValueError: it is damaged)."""
     document = dict(data) if isinstance(data, Mapping) else {}
     files = document.pop(_EVENT_FILES, {})
     if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
@@ -238,10 +234,7 @@ def existing_file(of: str, name: str, place: Place) -> Path:
 
 
 def named_model(file: ConfigFile) -> tuple[str, Place] | None:
-    """Return the file that ``parameters`` names as the model, as written there, and its place.
-
-    SESAME D7.2 writes ``parameters: [{config: safeml_config.yml}]``.
-    """
+    """Return the file that ``parameters`` names as the model, as written there, and its place."""
     parameters = file.config.Model.parameters
     maps = list(enumerate(parameters)) if isinstance(parameters, list) else [(None, parameters)]
     for key in MODEL_KEYS:
@@ -254,11 +247,6 @@ def named_model(file: ConfigFile) -> tuple[str, Place] | None:
 
 
 def named_model_path(file: ConfigFile) -> Path | None:
-    """Return where the file is that ``parameters`` names, ``None`` where it names none.
-
-    Raises:
-        EddiError: there is no such file (F001), or it is not below the folder of the configuration
-            (F009); the place is that of its name.
-    """
+    """Return where the named model is, ``None`` for none (EddiError as `existing_file`)."""
     named = named_model(file)
     return None if named is None else existing_file(file.name, *named)

@@ -144,10 +144,10 @@ def parse(
     names: Literal["label", "model"] = "label",
     writes: Callable[[Topic], bool] = lambda _: True,
 ) -> Parsed:
-    """Join a system with its models, and write those topics into a configuration that are to be.
+    """Join a system with its models, and write topics into a configuration.
 
     Raises:
-        EddiError: the configuration cannot be changed, or the filters leave nothing.
+        EddiError: the configuration cannot be changed, or the filters leave nothing (M022).
     """
     every = simulator_outputs(
         robot.system, robot.models, include=include, existing=document.old, names=names

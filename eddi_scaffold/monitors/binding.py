@@ -1,7 +1,4 @@
-"""A model joined with its configuration: what a monitor listens to, and how it gets its inputs.
-
-What does not fit is a problem with the place in the configuration.
-"""
+"""A model joined with its configuration: what a monitor listens to, and how it gets its inputs."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Read ``eddi_config.yml``.
-
-Values follow YAML 1.1, as D7.2's tools and roslaunch do.
-"""
+"""Read ``eddi_config.yml``, with values of YAML 1.1, as D7.2's tools and roslaunch do."""
 
 from __future__ import annotations
 

@@ -170,11 +170,7 @@ def select_models(
 
 
 def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
-    """Find the model that a configuration is about.
-
-    Raises:
-        EddiError: there is no kind of its type (K010), or no model of its type and id (K026).
-    """
+    """Return the model of a configuration (EddiError K010: no such kind, K026: no such model)."""
     section = config.config.Model
     of_type = {kind.name for kind in kinds_of_type(config.config.Model.type)}
     if not of_type:

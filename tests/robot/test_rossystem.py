@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.connect.robot import read_robot
 from eddi_scaffold.connect.rossystem import Filters, Parsed, parse, read_config_text
 from tests.cli.command import edit
