@@ -20,13 +20,7 @@ from eddi_scaffold.common.problems import (
     problem,
 )
 from eddi_scaffold.config.schema import Config, Section
-from eddi_scaffold.yaml_text.nodes import (
-    Items,
-    Map,
-    Node,
-    as_text,
-    value_11,
-)
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, value_11
 from eddi_scaffold.yaml_text.spans import inside_scalar
 
 KEY = -1
@@ -100,10 +94,7 @@ def _sections(type_: Any) -> Iterator[type[BaseModel]]:
 
 
 def violations(
-    failed: ValidationError,
-    places: Mapping[ValuePath, Place],
-    file: str,
-    form: type[BaseModel],
+    failed: ValidationError, places: Mapping[ValuePath, Place], file: str, form: type[BaseModel]
 ) -> Iterator[Problem]:
     """Turn pydantic's findings into problems with a place, one per value (K003)."""
     seen: set[ValuePath] = set()

@@ -111,9 +111,7 @@ def read_block(source: Source) -> ConfigText:
 
 
 def rewritten(
-    document: ConfigText,
-    entries: Sequence[TopicEntry],
-    lost: Collection[str] = (),
+    document: ConfigText, entries: Sequence[TopicEntry], lost: Collection[str] = ()
 ) -> tuple[str, list[Problem]]:
     """Return the text with another block, and what a person should know.
 

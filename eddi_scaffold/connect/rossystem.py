@@ -19,11 +19,7 @@ from eddi_scaffold.common.problems import (
     problem,
     with_excerpts,
 )
-from eddi_scaffold.config.topic_block import (
-    ConfigText,
-    read_block,
-    rewritten,
-)
+from eddi_scaffold.config.topic_block import ConfigText, read_block, rewritten
 from eddi_scaffold.connect.robot import Robot
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.mros.topics import Outputs, Topic, simulator_outputs

@@ -103,10 +103,7 @@ GENERATED = "eddi-scaffold generates a package of this name itself"
 
 
 def taken_names(
-    root: Path | None,
-    environment: Sequence[str],
-    imported: Iterable[str],
-    own: Iterable[str] = (),
+    root: Path | None, environment: Sequence[str], imported: Iterable[str], own: Iterable[str] = ()
 ) -> Mapping[str, str]:
     """Return package names that must not be used, with the reason.
 
