@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from eddi_scaffold.common.files import next_to, similar_file
+from eddi_scaffold.common.files import Source, next_to, similar_file
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -20,7 +21,7 @@ from eddi_scaffold.common.problems import (
     problem,
 )
 from eddi_scaffold.config.schema import Config, Section
-from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, value_11
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, read_map, value_11
 from eddi_scaffold.yaml_text.spans import inside_scalar
 
 KEY = -1
@@ -126,6 +127,17 @@ def violations(
             yield problem("K003.value", place, hint=hint, key=named, reason=reason)
 
 
+def has_section(source: Source, names: AbstractSet[str]) -> bool:
+    """Return whether a YAML file has one of some sections; in a damaged one their lines show it."""
+    keys = [name.encode() for name in names if name.encode() in source.data]
+    if not keys or source.data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):  # XML
+        return False
+    node, _ = read_map(source, "K001")
+    if node is None:
+        return any(line.partition(b":")[0].rstrip() in keys for line in source.data.splitlines())
+    return not names.isdisjoint(node.keys())
+
+
 def undecided(node: Node, names: Sequence[str] = ()) -> Iterator[Problem]:
     """Yield an error for each value that is still the word TODO of ``connect``'s drafts (K059)."""
     if isinstance(node, Map):
@@ -227,13 +239,11 @@ def existing_file(of: str, name: str, place: Place) -> Path:
 def named_model(file: ConfigFile) -> tuple[str, Place] | None:
     """Return the file that ``parameters`` names as the model, as written there, and its place."""
     parameters = file.config.Model.parameters
-    maps = list(enumerate(parameters)) if isinstance(parameters, list) else [(None, parameters)]
     for key in MODEL_KEYS:
-        for number, entries in maps:
+        for number, entries in enumerate(parameters if isinstance(parameters, list) else ()):
             name = entries.get(key) if isinstance(entries, dict) else None
             if isinstance(name, str) and name:
-                inner = () if number is None else (number,)
-                return name, file.place("Model", "parameters", *inner, key)
+                return name, file.place("Model", "parameters", number, key)
     return None
 
 
