@@ -14,7 +14,14 @@ from pydantic import StrictStr as Text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import Place, Problem, has_errors, in_order, problem
-from eddi_scaffold.config.file import Placed, Places, existing_file, plain_values, violations
+from eddi_scaffold.config.file import (
+    Placed,
+    Places,
+    existing_file,
+    has_section,
+    plain_values,
+    violations,
+)
 from eddi_scaffold.config.schema import (
     PEERS_LEASE,
     PEERS_TOPIC,
@@ -126,9 +133,6 @@ class FleetForm(Section):
 
 
 ROBOTS = "Robots"
-_TELLING_SECTIONS = (ROBOTS, "Bindings")
-"""Sections that tell a deployment file from all others, also where one of them is misspelt."""
-_ROBOTS_LINE = re.compile(rb"^Robots[ \t]*:", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -140,11 +144,7 @@ class FleetFile(Placed):
     overrides: Mapping[tuple[int, int], Map]
 
     def files(self, robot: int, monitor: int) -> tuple[Path, Path | None]:
-        """Return where configuration and model of a monitor are.
-
-        Raises:
-            EddiError: one is not in the folder of this file, or below (F009), or not there (F001).
-        """
+        """Return where configuration and model of a monitor are (EddiError as `existing_file`)."""
         entry = self.form.Robots[robot].monitors[monitor]
         path = (ROBOTS, robot, "monitors", monitor)
         config = existing_file(self.name, entry.config, self.place(*path, "config"))
@@ -155,13 +155,7 @@ class FleetFile(Placed):
 
 def is_fleet(source: Source) -> bool:
     """Return whether a file is a deployment file."""
-    named = any(name.encode() in source.data for name in _TELLING_SECTIONS)
-    if not named or source.data.lstrip().startswith(b"<"):  # XML
-        return False
-    node, _ = read_map(source, "K001")
-    if node is None:  # no YAML, or damaged: what it is meant to be still shows
-        return _ROBOTS_LINE.search(source.data) is not None
-    return any(node.get(name) is not None for name in _TELLING_SECTIONS)
+    return has_section(source, {ROBOTS, "Bindings"})
 
 
 def read_fleet(source: Source) -> tuple[FleetFile | None, list[Problem]]:

@@ -1,8 +1,7 @@
 """Field paths of a configuration, by themselves and against the messages they lead into.
 
-A path is parsed here and becomes a Python expression in which only checked names and literals
-occur, so text of a configuration never becomes code. What the messages define of it, such as which
-field is the key of ``[G0]``, is found in ``field_types``.
+In the Python expression of a path only checked names and literals occur, so text of a configuration
+never becomes code.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.common.identifiers import is_identifier
-from eddi_scaffold.common.problems import HintedError, did_you_mean
+from eddi_scaffold.common.problems import HintedError
 from eddi_scaffold.config.field_types import Fields, element, is_primitive, python_type
 
 _STEP = re.compile(
@@ -218,8 +217,8 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
 
 
 def _no_field(of: str, name: str, known: Fields) -> FieldPathError:
-    hint = f"{did_you_mean(name, known) or ''} its fields: {', '.join(known) or 'none'}"
-    return FieldPathError(f"{of} has no field {name!r}", hint.strip())
+    hint = f"its fields: {', '.join(known) or 'none'}"
+    return FieldPathError(f"{of} has no field {name!r}", hint)
 
 
 def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: FieldsOf) -> Step:
@@ -247,11 +246,8 @@ def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: Fields
         raise _no_field(inner, step.field, fields)
     if of == "string":
         return replace(step, key=str(step.key))
-    what = f"{step.field!r} of {inner} is a {of}"
-    if not of.startswith(_INTEGERS) or of.endswith("]"):
-        raise FieldPathError(f"{what}: a key is a text or a whole number")
-    if isinstance(step.key, str):
-        raise FieldPathError(f"{what}, {step.key!r} is not a whole number")
+    if isinstance(step.key, str) or not of.startswith(_INTEGERS) or of.endswith("]"):
+        raise FieldPathError(f"{step.field!r} of {inner} is a {of}, {step.key!r} is no such key")
     return step
 
 

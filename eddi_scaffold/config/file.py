@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from eddi_scaffold.common.files import next_to
+from eddi_scaffold.common.files import Source, next_to
 from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -20,13 +21,7 @@ from eddi_scaffold.common.problems import (
     problem,
 )
 from eddi_scaffold.config.schema import Config, Section
-from eddi_scaffold.yaml_text.nodes import (
-    Items,
-    Map,
-    Node,
-    as_text,
-    value_11,
-)
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, read_map, value_11
 from eddi_scaffold.yaml_text.spans import inside_scalar
 
 KEY = -1
@@ -100,10 +95,7 @@ def _sections(type_: Any) -> Iterator[type[BaseModel]]:
 
 
 def violations(
-    failed: ValidationError,
-    places: Mapping[ValuePath, Place],
-    file: str,
-    form: type[BaseModel],
+    failed: ValidationError, places: Mapping[ValuePath, Place], file: str, form: type[BaseModel]
 ) -> Iterator[Problem]:
     """Turn pydantic's findings into problems with a place, one per value (K003)."""
     seen: set[ValuePath] = set()
@@ -133,6 +125,17 @@ def violations(
                 hint = raised.hint
             reason = reason.replace("Input should be", "must be")  # of pydantic, for a literal
             yield problem("K003.value", place, hint=hint, key=named, reason=reason)
+
+
+def has_section(source: Source, names: AbstractSet[str]) -> bool:
+    """Return whether a YAML file has one of some sections; in a damaged one their lines show it."""
+    keys = [name.encode() for name in names if name.encode() in source.data]
+    if not keys or source.data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):  # XML
+        return False
+    node, _ = read_map(source, "K001")
+    if node is None:
+        return any(line.partition(b":")[0].rstrip() in keys for line in source.data.splitlines())
+    return not names.isdisjoint(node.keys())
 
 
 def undecided(node: Node, names: Sequence[str] = ()) -> Iterator[Problem]:
@@ -189,11 +192,7 @@ class ConfigFile(Placed):
 
 
 def from_data(data: object, name: str) -> ConfigFile:
-    """Read back what ``ConfigFile.as_data`` returned.
-
-    Raises:
-        ValueError: a person or a merge has damaged it.
-    """
+    """Read back what ``ConfigFile.as_data`` returned (ValueError: it is damaged)."""
     document = dict(data) if isinstance(data, Mapping) else {}
     files = document.pop(_EVENT_FILES, {})
     if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
@@ -237,27 +236,17 @@ def existing_file(of: str, name: str, place: Place) -> Path:
 
 
 def named_model(file: ConfigFile) -> tuple[str, Place] | None:
-    """Return the file that ``parameters`` names as the model, as written there, and its place.
-
-    SESAME D7.2 writes ``parameters: [{config: safeml_config.yml}]``.
-    """
+    """Return the file that ``parameters`` names as the model, as written there, and its place."""
     parameters = file.config.Model.parameters
-    maps = list(enumerate(parameters)) if isinstance(parameters, list) else [(None, parameters)]
     for key in MODEL_KEYS:
-        for number, entries in maps:
+        for number, entries in enumerate(parameters if isinstance(parameters, list) else ()):
             name = entries.get(key) if isinstance(entries, dict) else None
             if isinstance(name, str) and name:
-                inner = () if number is None else (number,)
-                return name, file.place("Model", "parameters", *inner, key)
+                return name, file.place("Model", "parameters", number, key)
     return None
 
 
 def named_model_path(file: ConfigFile) -> Path | None:
-    """Return where the file is that ``parameters`` names, ``None`` where it names none.
-
-    Raises:
-        EddiError: there is no such file (F001), or it is not below the folder of the configuration
-            (F009); the place is that of its name.
-    """
+    """Return where the named model is, ``None`` for none (EddiError as `existing_file`)."""
     named = named_model(file)
     return None if named is None else existing_file(file.name, *named)

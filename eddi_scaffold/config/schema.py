@@ -137,10 +137,7 @@ USUAL_FREQUENCY = 10.0
 
 
 class ModelSection(Section):
-    """Which model runs, and how.
-
-    Further keys belong to the kind, which checks them.
-    """
+    """Which model runs, and how; further keys belong to the kind, which checks them."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
 

@@ -1,8 +1,7 @@
 """Replace the block ``SimulatorOutputs`` of an ``eddi_config.yml`` as text.
 
-Every other byte stays: comments, order, quoting, line ends. In the block itself, an entry whose id,
-type and topic are the same stays as it is written; of others the further keys (``max_age``) and the
-comments stay with their topic.
+Every other byte stays. In the block itself, an entry whose id, type and topic are the same stays as
+it is written; of others the further keys (``max_age``) and the comments stay with their topic.
 """
 
 from __future__ import annotations
@@ -69,12 +68,7 @@ class ConfigText:
 
 
 def read_block(source: Source) -> ConfigText:
-    """Find the block in a configuration.
-
-    Raises:
-        EddiError: the file is not a YAML mapping, is written in one pair of braces, or has the
-            block under both of its names (K001).
-    """
+    """Find the block in a configuration (EddiError K001: its form does not allow a change)."""
     text = source.data.decode("utf-8-sig", "replace")
     if _NOTHING.fullmatch(text) and not NOT_YAML.search(text):
         return ConfigText(source.name, text, start=len(text), end=len(text))
@@ -117,18 +111,13 @@ def read_block(source: Source) -> ConfigText:
 
 
 def rewritten(
-    document: ConfigText,
-    entries: Sequence[TopicEntry],
-    lost: Collection[str] = (),
+    document: ConfigText, entries: Sequence[TopicEntry], lost: Collection[str] = ()
 ) -> tuple[str, list[Problem]]:
     """Return the text with another block, and what a person should know.
 
     An entry of the old block whose topic is not among the new ones is dropped, unless that is
     ``lost``, because something did not resolve, or an input requires its id: that one is typically
     the output of another monitor.
-
-    Raises:
-        EddiError: the text would not be YAML any more (K001).
     """
     topics, ids = {entry.topic for entry in entries}, {entry.id for entry in entries}
     old = {entry.topic: entry for entry in document.old}

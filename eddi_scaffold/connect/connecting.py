@@ -16,13 +16,7 @@ from eddi_scaffold.common.identifiers import (
     key_text,
     package_name,
 )
-from eddi_scaffold.common.problems import (
-    EddiError,
-    Problem,
-    has_errors,
-    in_order,
-    problem,
-)
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, in_order, problem
 from eddi_scaffold.config.field_types import Fields, MessageFields, declared
 from eddi_scaffold.config.file import undecided
 from eddi_scaffold.config.topic_block import ConfigText, extended, read_block

@@ -69,11 +69,8 @@ def recorded_age(times: Sequence[int], where: str) -> Age | None:
 
 
 def age_line(topic: RobotTopic, ages: Mapping[str, Age]) -> str | None:
-    """Return the line of the age limit of a topic, ``None`` where it is not known.
-
-    It is empty for a topic of a monitor: its messages have a limit where none is written.
-    """
-    if topic.is_of_monitor:
+    """Return the line of the age limit of a topic, ``None`` where it is not known."""
+    if topic.is_of_monitor:  # its messages have a limit where none is written
         return ""
     return ages[topic.topic].line() if topic.topic in ages else None
 

@@ -41,11 +41,7 @@ class Draft:
 
 
 def with_draft(document: ConfigText, draft: Draft) -> str:
-    """Return the text of a configuration with what it does not say yet.
-
-    Raises:
-        EddiError: it is written so that nothing can be added (K001).
-    """
+    """Return a configuration with what it does not say yet (EddiError K001: it has no place)."""
     text = document.text
     if text and not text.endswith("\n"):
         text += TextEditor(text).newline

@@ -26,7 +26,6 @@ _SETTING = re.compile(
     r"angle_.*|range_m(?:in|ax)|m(?:in|ax)_range|field_of_view|time_increment|scan_time|"
     r"intensities|origin|significance_level|time_from_start"
 )
-_SIZE = re.compile("width|height|resolution|step|point_step|row_step|binning_[xy]")
 _COMPARED = ("diagnostic_msgs/", "vision_msgs/")
 _SURE = ((50, 8), (32, 15))  # score and distance to the next candidate from which a topic is taken
 _LEAST_NAME = 15
@@ -136,13 +135,12 @@ class _Matcher:
 def _can_fill(need: InputNeed, message: str, leaf: TopicField) -> bool:
     """Return whether a value of a message type might fill an input."""
     names = [name.partition("[")[0] for name in leaf.path] or [""]
-    package, _, name = message.partition("/")
+    package = message.partition("/")[0]
     is_of_other_kind = need.is_demand != (message == _GUARANTEES) or message == _POSTERIORS
     is_about_message = names[0] in ("header", "layout") or names[-1] in ("secs", "nsecs")
-    is_size = name in WORDS["pictures"].split() and _SIZE.fullmatch(names[-1])
     if package in WORDS["no_measurements"].split() or is_of_other_kind or is_about_message:
         return False
-    if is_size or any(map(_SETTING.fullmatch, names)):  # of the sensor
+    if any(map(_SETTING.fullmatch, names)):  # of the sensor
         return False
     if leaf.path and leaf.is_variance != need.says(WORDS["synonyms"]["uncertainty"]):
         return False

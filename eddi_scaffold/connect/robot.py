@@ -86,11 +86,7 @@ class Robot:
 
 
 def read_robot(system: Path | None, folder: Path) -> Robot:
-    """Read a system and all models of its directory.
-
-    Raises:
-        EddiError: the system cannot be read, or there is no such directory.
-    """
+    """Read a system and all models of its directory (EddiError: one cannot be read)."""
     models = load_models(folder)
     if system is None:
         return Robot(folder, None, System("", "indent", ""), models, models.problems)
@@ -102,11 +98,7 @@ def read_robot(system: Path | None, folder: Path) -> Robot:
 
 
 def robot_of(system: Path | None, folder: Path | None) -> Robot | None:
-    """Read what a command was given: a system with models, models alone, or none.
-
-    Raises:
-        EddiError: one of the two cannot be read, or the models of a system are missing (G017).
-    """
+    """Read a system with models, models alone, or none (EddiError G017: there are no models)."""
     if folder is None and system is not None:
         raise EddiError(problem("G017"))
     return None if folder is None else read_robot(system, folder)
@@ -120,12 +112,7 @@ def robot_models(
 
     What does not resolve in the system is a warning here: only what an input requires must.
 
-    Yields:
-        What the models add, and what is wrong with them: it may be the reason for what is refused
-        inside, and is told with it.
-
-    Raises:
-        EddiError: as of ``robot_of``.
+    What is wrong may be the reason for what is refused inside, and is told with it.
     """
     robot = robot_of(system, folder)
     if robot is None:
@@ -148,8 +135,7 @@ def check_robots(
 ) -> tuple[list[Problem], RobotAdditions | None]:
     """Check ``.rossystem`` and ``.ros*`` files, and configurations against the systems.
 
-    Returns:
-        All problems, and what the models of a directory, if there is one, add to configurations.
+    The models of a directory, if there is one, add something to configurations.
     """
     robot, problems = None, list[Problem]()
     if folder is not None:

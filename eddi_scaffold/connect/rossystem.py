@@ -19,11 +19,7 @@ from eddi_scaffold.common.problems import (
     problem,
     with_excerpts,
 )
-from eddi_scaffold.config.topic_block import (
-    ConfigText,
-    read_block,
-    rewritten,
-)
+from eddi_scaffold.config.topic_block import ConfigText, read_block, rewritten
 from eddi_scaffold.connect.robot import Robot
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.mros.topics import Outputs, Topic, simulator_outputs
@@ -144,10 +140,10 @@ def parse(
     names: Literal["label", "model"] = "label",
     writes: Callable[[Topic], bool] = lambda _: True,
 ) -> Parsed:
-    """Join a system with its models, and write those topics into a configuration that are to be.
+    """Join a system with its models, and write topics into a configuration.
 
     Raises:
-        EddiError: the configuration cannot be changed, or the filters leave nothing.
+        EddiError: the configuration cannot be changed, or the filters leave nothing (M022).
     """
     every = simulator_outputs(
         robot.system, robot.models, include=include, existing=document.old, names=names

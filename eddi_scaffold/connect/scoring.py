@@ -189,8 +189,6 @@ class Scorer:
             "another side": -30 * sides,
             "another number": -30 if self._numbers_differ(topic.words) else 0,
             ALARM: -15 if is_alarm and not need.every_word & _BAD_WHEN_TRUE else 0,
-            "raw": -2 if "raw" in names and not need.says("raw") else 0,
-            "planned": -12 if {"desired", "error"} & {*leaf.path[:-1]} else 0,
             "of joints": -20 if is_joint and not need.says(WORDS["of_joints"]) else 0,
             "rest": -min(5, rest),
         }

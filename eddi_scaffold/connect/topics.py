@@ -182,10 +182,7 @@ def leaves(message: str, fields_of: FieldsOf) -> list[TopicField]:
 def _fields(
     message: str, path: tuple[str, ...], fields_of: FieldsOf, above: tuple[str, ...]
 ) -> Iterator[tuple[tuple[str, ...], str] | None]:
-    """Yield path and type of each value below a message, and nothing for any other field.
-
-    A message inside of itself ends there.
-    """
+    """Yield path and type of each value below a message, and ``None`` for any other field."""
     for name, type_ in (fields_of(message) or {}).items():
         yield None
         if not is_identifier(name):

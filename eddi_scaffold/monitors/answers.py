@@ -47,8 +47,7 @@ _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 def files_of(monitor: BoundMonitor, code: str = "", text: str = "") -> dict[str, bytes]:
     """Return path -> content of the files that Copier does not render; the model as text is first.
 
-    ``code`` is the folder of the Python package, with a slash; empty where that is the package
-    itself. ``text`` is that of the model.
+    ``code`` is the folder of the Python package in it, ``text`` that of the model: with a slash.
     """
     model = monitor.unconfigured.named(monitor.model.name)
     files: dict[str, bytes] = {}
@@ -74,10 +73,7 @@ def _as_kept(text: str) -> str:
 def shared_answers(
     monitor: BoundMonitor, template: str, files: Mapping[str, bytes]
 ) -> dict[str, JsonValue]:
-    """Return the answers about identity that the templates of all platforms ask for.
-
-    ``files`` are those that Copier does not render.
-    """
+    """Return the answers that all platforms ask for; ``files`` are what Copier does not render."""
     config, facts = monitor.config.config if monitor.config else None, monitor.facts
     title = f"{monitor.kind.title} {one_line(monitor.model.name)}"
     identity = identity_answers(monitor.package, f"Runtime monitor of the {title}", config)

@@ -1,7 +1,4 @@
-"""A model joined with its configuration: what a monitor listens to, and how it gets its inputs.
-
-What does not fit is a problem with the place in the configuration.
-"""
+"""A model joined with its configuration: what a monitor listens to, and how it gets its inputs."""
 
 from __future__ import annotations
 
@@ -14,14 +11,7 @@ from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, has_
 from eddi_scaffold.config.field_types import EITHER_TIMES, MessageFields, declared
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry, OutputEntry
-from eddi_scaffold.kinds import (
-    DeclaredInput,
-    EditableMethod,
-    Kind,
-    Model,
-    Options,
-    kinds,
-)
+from eddi_scaffold.kinds import DeclaredInput, EditableMethod, Kind, Model, Options, kinds
 from eddi_scaffold.monitors import input_rules
 from eddi_scaffold.monitors.compiling import (
     CompiledModule,

@@ -193,11 +193,7 @@ def compile_monitor(
     frequency: float,
     place: Place,
 ) -> tuple[CompiledModule, MonitorFacts]:
-    """Compile a configured model, run the result once, and return it with its facts.
-
-    Raises:
-        EddiError: the runtime refuses the monitor (K028).
-    """
+    """Compile a configured model and run it once (EddiError K028: it cannot); add its facts."""
     source, path = model.source, model.place.path
     digest = digest_of(model.kind, model, tuple(inputs))
     compiled = model.compile(Declaration(model.name, digest, tuple(inputs)))

@@ -1,7 +1,4 @@
-"""Read ``eddi_config.yml``.
-
-Values follow YAML 1.1, as D7.2's tools and roslaunch do.
-"""
+"""Read ``eddi_config.yml``, with values of YAML 1.1, as D7.2's tools and roslaunch do."""
 
 from __future__ import annotations
 
@@ -71,9 +68,7 @@ def several(configs: Sequence[ConfigFile], place: Place) -> Problem:
 
 
 def read_file(
-    source: Source,
-    robot: RobotAdditions | None = None,
-    override: Map | None = None,
+    source: Source, robot: RobotAdditions | None = None, override: Map | None = None
 ) -> tuple[list[ConfigFile], list[Problem]]:
     """Read the configurations of a file, of each monitor a document; without those with errors.
 
@@ -100,10 +95,7 @@ def read_file(
 
 
 def _read(
-    document: Map,
-    source: Source,
-    robot: RobotAdditions | None,
-    monitors: Collection[str],
+    document: Map, source: Source, robot: RobotAdditions | None, monitors: Collection[str]
 ) -> tuple[ConfigFile | None, list[Problem]]:
     places: Places = {}
     data = plain_values(document, places)

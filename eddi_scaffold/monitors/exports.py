@@ -49,10 +49,9 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
 
 
 def standalone(monitor: BoundMonitor, target: Target, name: str) -> StandaloneMonitor:
-    """Return a model as a standalone monitor; a name begins files and functions.
+    """Return a model as a standalone monitor (EddiError E026: there is none).
 
-    Raises:
-        EddiError: there is none of this kind, or not in this language (E026).
+    A name begins files and functions.
     """
     model, kind = monitor.model, monitor.kind
     program = monitor.compiled.program if target == "c" else None

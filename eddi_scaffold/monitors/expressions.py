@@ -40,11 +40,7 @@ class CheckedExpression:
 
 
 class ExpressionBinder:
-    """Checks the expression of one entry of ``EDDIInputs`` for an input of the model.
-
-    ``types``: input of the model -> its type. Its ``problems`` are those of the language (E, W),
-    K003, K016, K020, K033.
-    """
+    """Checks the expression of an entry of ``EDDIInputs``; ``types``: input -> its type."""
 
     def __init__(
         self,

@@ -275,15 +275,12 @@ class InputBinder:
         return self._only_field(argument)
 
     def _numbers(self) -> str | None:
-        """Return the expression for a list of numbers, joined where several messages hold it.
-
-        A ``MultiArray`` is taken as a whole, because its layout defines where its data begin.
-        """
+        """Return the expression for a list of numbers, joined where several messages hold it."""
         path = self.entry.field
         parts: list[str | None] = []
         for argument, source in zip(self.arguments, self.requires, strict=True):
             if path in {None, "data"} and _MULTI_ARRAY.fullmatch(source.type):
-                parts.append(argument)
+                parts.append(argument)  # as a whole: its layout defines where its data begin
             elif path is not None:
                 parts.append(self._taken(argument, source.type, path))
             else:
@@ -299,10 +296,7 @@ class InputBinder:
         return f"{argument}.{names[0]}" if names and len(fields) == 1 else None
 
     def _taken(self, argument: str, message: str, text: str) -> str | None:
-        """Return the expression that takes a field from a message.
-
-        It is checked with what is known of the message, also by the ROS of this machine.
-        """
+        """Return the expression that takes a field from a message, checked as far as is known."""
         try:
             path = field_paths.parse_field(text)
         except field_paths.FieldPathError as failure:

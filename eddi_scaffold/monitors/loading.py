@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +18,7 @@ from eddi_scaffold.common.problems import (
     shortened_list,
 )
 from eddi_scaffold.config.deployment_file import is_fleet
-from eddi_scaffold.config.file import ConfigFile, named_model, named_model_path
+from eddi_scaffold.config.file import ConfigFile, has_section, named_model, named_model_path
 from eddi_scaffold.eddi_xml import survey
 from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
@@ -33,19 +32,12 @@ from eddi_scaffold.yaml_text.nodes import read_map
 
 YAML_SUFFIXES = (".yml", ".yaml")
 _HEAD = 4096
-_CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
 _CONSERT_KEYS = {"guarantees", "demands", "evidence", "gates", "tree_propagations"}
-_CONFIG_LINE = re.compile(rb"^(Model|SimulatorOutputs?|EDDIInputs)[ \t]*:", re.MULTILINE)
 
 
 def is_config(source: Source) -> bool:
     """Return whether a file is an eddi_config.yml, which no reader of models understands."""
-    if is_xml(source):
-        return False
-    node, _ = read_map(source, "K001")
-    if node is None:  # no YAML, or damaged: what it is meant to be still shows
-        return _CONFIG_LINE.search(source.data) is not None
-    return not _CONFIG_SECTIONS.isdisjoint(node.keys())
+    return has_section(source, {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"})
 
 
 def named_like_mros(name: str) -> bool:
@@ -173,11 +165,7 @@ def select_models(
 
 
 def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
-    """Find the model that a configuration is about.
-
-    Raises:
-        EddiError: there is no kind of its type (K010), or no model of its type and id (K026).
-    """
+    """Return the model of a configuration (EddiError K010: no such kind, K026: no such model)."""
     section = config.config.Model
     of_type = {kind.name for kind in kinds_of_type(config.config.Model.type)}
     if not of_type:

@@ -65,10 +65,7 @@ class MonitorNode:
     def answers(
         self, class_of: Callable[[str], str], *, has_qos: bool = False
     ) -> dict[str, JsonValue]:
-        """Return the answers that the templates of all nodes ask for.
-
-        ``class_of``: message type -> name of its class in the generated module.
-        """
+        """Return the answers for all nodes; ``class_of``: message type -> name of its class."""
         taken_each = {  # some input takes every message of these topics, not the latest one
             binding.requires[0].id
             for binding in self.monitor.inputs
@@ -144,9 +141,7 @@ def _qos(qos: InputQos, start: str, end: str = "") -> str:
 
 
 def _check(node: MonitorNode) -> Iterator[Problem]:
-    """Find outputs that are heard by their own monitor, or share a topic (K031).
-
-    And what does not fit among robots.
+    """Find outputs that their own monitor hears, or of one topic (K031); and all among robots.
 
     Topics are compared as a node outside of any namespace resolves them: `a/b` is `/a/b` there.
     """

@@ -1,8 +1,7 @@
 """What people write in a configuration -> the form that D7.2's tools read, and the generator.
 
 ``from:`` becomes ``requires``, ``field`` or ``expression``; ``MONITOR.CLAIM`` the topic of a
-monitor in the same file; topics of the first document those of each monitor that uses them. Every
-node keeps the place where it is written.
+monitor in the same file. Every node keeps the place where it is written.
 """
 
 from __future__ import annotations

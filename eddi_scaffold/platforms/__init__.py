@@ -1,8 +1,8 @@
 """Platforms: where a monitor runs. Each is one folder here, which offers ``PLATFORM`` of its name.
 
-A platform turns monitors (model + configuration) into the answers of whole packages. Platforms know
-neither each other nor a kind; what they need of a kind comes in as values. Which platform a package
-belongs to is asked of the platforms: their names, and those of templates, are never taken apart.
+A platform turns monitors (model + configuration) into the answers of whole packages. Which one a
+package belongs to is asked of the platforms: their names, and those of templates, are never taken
+apart.
 """
 
 from __future__ import annotations

@@ -10,11 +10,7 @@ from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.platforms import (
-    RUNTIME_PACKAGE,
-    PackageAnswers,
-    Platform,
-)
+from eddi_scaffold.platforms import RUNTIME_PACKAGE, PackageAnswers, Platform
 from eddi_scaffold.platforms.ros_packages import GENERATED, distribution, runtime_packages
 
 _TEMPLATES = ("plain_monitor", "plain_runtime")

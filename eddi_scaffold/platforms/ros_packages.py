@@ -103,10 +103,7 @@ GENERATED = "eddi-scaffold generates a package of this name itself"
 
 
 def taken_names(
-    root: Path | None,
-    environment: Sequence[str],
-    imported: Iterable[str],
-    own: Iterable[str] = (),
+    root: Path | None, environment: Sequence[str], imported: Iterable[str], own: Iterable[str] = ()
 ) -> Mapping[str, str]:
     """Return package names that must not be used, with the reason.
 
@@ -201,11 +198,7 @@ def imports_of(classes: Mapping[str, str]) -> list[str]:
 
 
 def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, str]:
-    """Return message name -> text.
-
-    Raises:
-        EddiError: a monitor listens to a message that another one wants spelt otherwise (G026).
-    """
+    """Return message name -> text (EddiError G026: monitors want one spelt in two ways)."""
     texts = {**texts_of_messages()}
     waiting = [*COMMON]
     read_by: dict[str, str] = {}
@@ -285,8 +278,7 @@ def support_packages(
 ) -> list[PackageAnswers]:
     """Return messages, launcher, and the runtime library where a monitor needs it in the workspace.
 
-    ``monitors``: package -> its answers. The templates are in this order; the launcher may have
-    further answers, and further parts of the runtime may be needed.
+    ``monitors``: package -> its answers; the templates are in this order.
     """
 
     def package(place: int, name: str, description: str, **more: JsonValue) -> PackageAnswers:

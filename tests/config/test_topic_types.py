@@ -32,7 +32,6 @@ def ros(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 def forget() -> None:
     for cached in (  # they look at the machine once
         message_types.installed_message,
-        message_types._folders,
         message_types._packages,
     ):
         cached.cache_clear()

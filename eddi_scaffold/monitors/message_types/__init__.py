@@ -6,6 +6,7 @@ on a machine with ROS and on one without.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -67,29 +68,17 @@ def ros2_fields(fields: Fields) -> dict[str, str]:
 
 @cache
 def installed_message(name: str) -> Fields | None:
-    """Return the fields of ``package/Type``; ``None`` when this machine does not have it.
-
-    Debian keeps ``.msg`` files apart from the ``package.xml`` by which rospkg finds a package, so
-    the folders of the ROS path are looked into as well.
-    """
+    """Return the fields of ``package/Type``; ``None`` when this machine does not have it."""
     package, _, message = name.partition("/")
-    for folder in _folders(package):
-        file = folder / "msg" / f"{message}.msg"
-        try:
-            return fields_of(read_regular(file).decode("utf-8", "replace"), package)
-        except OSError:
-            continue
+    # Debian keeps `.msg` files apart from the `package.xml` by which rospkg finds a package
+    folders = [Path(path, package) for path in (*rospkg.get_ros_paths(), "/usr/share")]
+    with suppress(rospkg.ResourceNotFound):
+        folders.insert(0, Path(_packages().get_path(package)))
+    for folder in folders:
+        with suppress(OSError):
+            text = read_regular(folder / "msg" / f"{message}.msg").decode("utf-8", "replace")
+            return fields_of(text, package)
     return None
-
-
-@cache
-def _folders(package: str) -> tuple[Path, ...]:
-    paths = [Path(path) for path in rospkg.get_ros_paths()]
-    try:
-        own = [Path(_packages().get_path(package))]
-    except rospkg.ResourceNotFound:
-        own = []
-    return (*own, *(path / package for path in [*paths, Path("/usr/share")]))
 
 
 @cache
