@@ -130,8 +130,5 @@ def areas() -> list[Area]:
 
 def find(code: str) -> Diagnostic | None:
     """Return the diagnostic of a code, in whatever case it is written."""
-    return next((entry for entry in _all() if entry.code == code.upper()), None)
-
-
-def _all() -> list[Diagnostic]:
-    return [diagnostic for area in areas() for diagnostic in area.diagnostics.values()]
+    diagnostics = (entry for area in areas() for entry in area.diagnostics.values())
+    return next((entry for entry in diagnostics if entry.code == code.upper()), None)
