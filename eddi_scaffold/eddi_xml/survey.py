@@ -84,16 +84,13 @@ def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]
         types = [fold(document.attribute(cause, names.CAUSE_TYPE) or "") for cause in causes]
         gates = sum(document.class_of(cause).name == "gate" for cause in causes)
         counts |= {"basic_events": types.count("basicevent"), "gates": gates, "failures": failures}
-    if kind == "consert":  # the services that it refers to, or that its configuration holds
-        parent = model.getparent()
-        is_inside = parent is not None and names.CONFIGURATIONS.accepts(feature_of(parent))
-        for key, elements, link, listed in (
-            ("required_services", "demands", names.REQUIRED_SERVICE, names.REQUIRED_SERVICES),
-            ("provided_services", "guarantees", names.PROVIDED_SERVICE, names.PROVIDED_SERVICES),
+    if kind == "consert":  # the services that it refers to
+        for key, elements, link in (
+            ("required_services", "demands", names.REQUIRED_SERVICE),
+            ("provided_services", "guarantees", names.PROVIDED_SERVICE),
         ):
             texts = (document.attribute(element, link) or "" for element in parts[elements])
-            services = document.children(parent, listed) if parent is not None and is_inside else ()
-            counts[key] = len(services) or len({token for text in texts for token in text.split()})
+            counts[key] = len({token for text in texts for token in text.split()})
     return counts
 
 
