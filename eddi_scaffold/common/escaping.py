@@ -76,22 +76,6 @@ DEEPEST = 150  # levels of a tree that recursive functions of `ast` get through 
 _MOST_BITS = 14_000  # of a number that Python writes in decimal digits
 
 
-def parse_python(text: str | bytes) -> ast.Module:
-    """Return the syntax tree of a text, however deep.
-
-    Raises:
-        SyntaxError: the text is not Python, or nested deeper than Python reads.
-    """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return ast.parse(text)
-    except (RecursionError, MemoryError):
-        raise SyntaxError("nested too deeply") from None
-    except ValueError as problem:
-        raise SyntaxError(str(problem)) from None
-
-
 def parse_shallow(text: str | bytes) -> ast.Module:
     """Return a syntax tree that ``ast.unparse`` and its neighbours can walk.
 
@@ -99,7 +83,14 @@ def parse_shallow(text: str | bytes) -> ast.Module:
         SyntaxError: the text is not Python, nested deeper than :data:`DEEPEST`, or holds a number
             of thousands of digits.
     """
-    tree = parse_python(text)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(text)
+    except (RecursionError, MemoryError):
+        raise SyntaxError("nested too deeply") from None
+    except ValueError as problem:
+        raise SyntaxError(str(problem)) from None
     level: list[ast.AST] = [tree]
     for _ in range(DEEPEST):
         level = [node for parent in level for node in ast.iter_child_nodes(parent)]

@@ -19,8 +19,6 @@ _MEMBERS = """begin_processing begin_step bind end_step expression look_again pr
 known_for processing received setup states update update_each update_expression why"""
 _INPUT_MEMBERS = frozenset(_MEMBERS.split())
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
-STARTUP_MODULES = ("sitecustomize", "usercustomize")
-"""Modules that every Python imports at its start when it finds them."""
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _ROS_NAME = re.compile(r"(?:[~/][A-Za-z0-9]|[A-Za-z])[A-Za-z0-9_]*(?:/[A-Za-z0-9][A-Za-z0-9_]*)*")
@@ -32,7 +30,7 @@ def taken_by_python() -> dict[str, str]:
     modules = "it would hide a module of Python's standard library"
     return {
         **dict.fromkeys(sys.stdlib_module_names, modules),
-        **dict.fromkeys(STARTUP_MODULES, "every Python would import it at its start"),
+        **dict.fromkeys(("sitecustomize", "usercustomize"), "every Python imports it at its start"),
         **dict.fromkeys(RESERVED, "it is a word of Python"),
     }
 

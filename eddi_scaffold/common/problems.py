@@ -14,40 +14,24 @@ from eddi_scaffold.common.catalogue import Level
 
 @dataclass(frozen=True)
 class Place:
-    """The place of something in an input.
+    """The place of something in an input."""
 
-    Attributes:
-        file: path as the user gave it; empty when there is none.
-        line: line, counted from 1.
-        col: column, counted from 1.
-        path: EMF fragment path of the element (``//@a.0/@b.1``), XML only.
-    """
-
-    file: str = ""
-    line: int | None = None
+    file: str = ""  # path as the user gave it; empty when there is none
+    line: int | None = None  # counted from 1, as is the column
     col: int | None = None
-    path: str | None = None
+    path: str | None = None  # EMF fragment path of the element (`//@a.0/@b.1`), XML only
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One finding about an input.
+    """One finding about an input."""
 
-    Attributes:
-        level: ``error`` stops every command that would write.
-        case: its name in the catalogue, ``K029.long``.
-        message: one sentence without a full stop.
-        place: where it was found.
-        hint: what to do, or ``None``.
-        excerpt: the source line, or ``None``; the printer puts a caret below the column.
-    """
-
-    level: Level
-    case: str
-    message: str
-    place: Place = Place()
-    hint: str | None = None
-    excerpt: str | None = None
+    level: Level  # `error` stops every command that would write
+    case: str  # its name in the catalogue, `K029.long`
+    message: str  # one sentence without a full stop
+    place: Place = Place()  # where it was found
+    hint: str | None = None  # what to do
+    excerpt: str | None = None  # the source line; the printer puts a caret below the column
 
     @property
     def code(self) -> str:
@@ -80,11 +64,7 @@ class EddiError(Exception):
 
 
 class HintedError(ValueError):
-    """A value is wrong; who knows the code and the place makes a problem of it.
-
-    Attributes:
-        hint: what to do, or ``None``; ``str`` gives the message without it.
-    """
+    """A value is wrong; who knows the code and the place makes a problem of it."""
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         super().__init__(message)

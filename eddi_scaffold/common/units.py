@@ -156,7 +156,6 @@ _NUMBER = re.compile(
     re.ASCII,
 )
 _BLANKS = " \t\n\r\f\v"
-_COMMA = re.compile(r"\s*[-+]?[0-9]+,[0-9]+\b.*")
 _ODE = {"millisecond": "ms", "second": "s", "minute": "min", "hour": "h"}
 """Literals of the metamodel's TimeUnit that are spelt otherwise."""
 
@@ -285,24 +284,19 @@ def _time_unit(text: str) -> str:
 def _split(
     quantity: object, *, signed: bool = False, form: str | None = None
 ) -> tuple[float, str | None]:
-    if isinstance(quantity, bool) or not isinstance(quantity, int | float | str):
+    text = quantity if isinstance(quantity, str) else repr(quantity)
+    match = _NUMBER.fullmatch(text.strip(_BLANKS))
+    if match is None:
         raise QuantityError(f"{_shown(quantity)} is not a number", form)
-    match = _NUMBER.fullmatch(quantity.strip(_BLANKS)) if isinstance(quantity, str) else None
-    if isinstance(quantity, str) and match is None:
-        hint = "write a point, not a comma" if _COMMA.fullmatch(quantity) else form
-        raise QuantityError(f"{_shown(quantity)} is not a number", hint)
-    try:
-        value = float(match[1]) if match else float(quantity)
-    except OverflowError:
-        value = math.inf
+    value = _finite(float(match[1]), quantity)
     if value < 0 and not signed:
         raise QuantityError(f"{_shown(quantity)} is negative")
-    return _finite(value, quantity, form), match[2] if match else None
+    return value, match[2]
 
 
-def _finite(value: float, quantity: object, form: str | None = None) -> float:
+def _finite(value: float, quantity: object) -> float:
     if not math.isfinite(value):
-        raise QuantityError(f"{_shown(quantity)} is not finite", form)
+        raise QuantityError(f"{_shown(quantity)} is not finite")
     return value
 
 

@@ -13,8 +13,18 @@ from dataclasses import dataclass, field
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
 from eddi_scaffold.mros.topics import TopicEntry
-from eddi_scaffold.yaml_text.nodes import NOT_YAML, Map, items_of, quoted, read_document, scalars_of
-from eddi_scaffold.yaml_text.spans import Span, TextEditor, comments, spans
+from eddi_scaffold.yaml_text.nodes import (
+    NOT_YAML,
+    Map,
+    Node,
+    Scalar,
+    items_of,
+    quoted,
+    read_document,
+    scalars_of,
+    text_of,
+)
+from eddi_scaffold.yaml_text.spans import TextEditor, comments
 
 KEPT_ENTRIES = ("M026.stays", "M026.needed")
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
@@ -77,13 +87,12 @@ def read_block(source: Source) -> ConfigText:
         raise EddiError(*problems)
     if not isinstance(node, Map):
         raise EddiError(problem("K001.map", node.place))
-    root = spans(text)
-    if root is None or root.is_flow:
+    if node.is_flow:
         raise EddiError(problem("K001.braces", node.place))
-    block = [(key, value) for key, value in root.entries() if key.text in _NAMES]
+    block = [(key, value) for key, value in node.entries if key.text in _NAMES]
     editor = TextEditor(text)
     if not block:
-        sections = {key.text: (key, value) for key, value in root.entries()}
+        sections = {key.text: (key, value) for key, value in node.entries}
         start = len(text)
         if "Model" in sections:
             start = editor.line_end(max(part.end for part in sections["Model"]))
@@ -91,12 +100,13 @@ def read_block(source: Source) -> ConfigText:
             start = sections["EDDIInputs"][0].start
         return ConfigText(source.name, text, node, start, start)
     if len(block) > 1:
-        lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in block)
-        place = Place(source.name, block[1][0].line, 1)
+        lines = " and ".join(f"{key.text} in line {key.place.line}" for key, _ in block)
+        place = Place(source.name, block[1][0].place.line, 1)
         raise EddiError(problem("K001.two_spellings", place, spellings=lines))
     ((key, value),) = block
     end = editor.line_end(max(value.end, key.end) if value.end > value.start else key.end)
-    behind = value.end if value.is_flow else key.end
+    is_flow = not isinstance(value, Scalar) and value.is_flow
+    behind = value.end if is_flow else key.end
     head = re.search(r"\s+#.*", text[behind : editor.line_end(behind)].rstrip())
     return ConfigText(
         source.name,
@@ -106,7 +116,7 @@ def read_block(source: Source) -> ConfigText:
         end,
         tuple(_old_entries(editor, source.name, key, value)),
         head[0] if head else "",
-        tuple(comments(text, value, key.start, value.end)) if value.is_flow else (),
+        tuple(comments(text, value, key.start, value.end)) if is_flow else (),
     )
 
 
@@ -183,29 +193,29 @@ def _dedented(line: str, column: int) -> str:
     return line[column:] if not line[:column].strip() else line.lstrip()
 
 
-def _old_entries(editor: TextEditor, name: str, key: Span, value: Span) -> Iterator[OldEntry]:
+def _old_entries(editor: TextEditor, name: str, key: Scalar, value: Node) -> Iterator[OldEntry]:
     text, done = editor.text, editor.line_end(key.end)
-    for item in value.children if not value.is_map else []:
+    is_flow = not isinstance(value, Scalar) and value.is_flow
+    for item in items_of(value):
         before, done = done, editor.line_end(item.end)
-        pairs = list(item.entries()) if item.is_map else []
-        texts = {key.text: inner.text or "" for key, inner in pairs if key.text in _KEYS}
-        if not texts.get("id") or not texts.get("topic"):
+        id_, type_, topic = (text_of(item, of) for of in _KEYS)
+        if not isinstance(item, Map) or not id_ or not topic:
             continue
         column = editor.column(item.start)
         more = []
-        for own_key, inner in pairs:
+        for own_key, inner in item.entries:
             if own_key.text not in _KEYS:
                 written = text[own_key.start : max(own_key.end + 1, inner.end)].replace("\r", "")
                 first, *rest = written.split("\n")
                 more.append("\n".join([first, *(_dedented(line, column) for line in rest)]))
-        end = item.end if value.is_flow else done
+        end = item.end if is_flow else done
         # comments in brackets are those of the block: it is not known of which entry they are
-        comments_from, comments_to = (item.start, item.start) if value.is_flow else (before, done)
+        comments_from, comments_to = (item.start, item.start) if is_flow else (before, done)
         yield OldEntry(
-            texts["id"],
-            texts.get("type", ""),
-            texts["topic"],
-            Place(name, item.line, 1),
+            id_,
+            type_ or "",
+            topic,
+            Place(name, item.place.line, 1),
             text[item.start : end].replace("\r", "").rstrip(),
             column,
             tuple(more),

@@ -14,8 +14,17 @@ from eddi_scaffold.config.topic_block import ConfigText
 from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, items_of, read_map, text_of
-from eddi_scaffold.yaml_text.spans import Span, TextEditor, comments, spans
+from eddi_scaffold.yaml_text.nodes import (
+    Items,
+    Map,
+    Node,
+    Scalar,
+    items_of,
+    read_map,
+    scalars_of,
+    text_of,
+)
+from eddi_scaffold.yaml_text.spans import TextEditor, comments
 
 _OUTPUTS = ("EDDIOutputs", "EDDIOoutputs", "EDDIOOutputs")
 _SOURCES = ("from", "requires", "field", "expression", "expression_file", "event", "states")
@@ -46,13 +55,11 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
     if text and not text.endswith("\n"):
         text += TextEditor(text).newline
     editor = _Editor(text)
-    root = spans(text)
-    sections = {}
-    if root is not None and root.children:
-        sections = {key.text: (key, value) for key, value in reversed([*root.entries()])}
+    root = document.root
+    sections = {key.text: (key, value) for key, value in root.entries}
     options = option_lines({**draft.model, **draft.options}, draft.notes)
     new_model = ["Model:", *(f"  {line}" for line in options)]
-    if root is None or not sections:
+    if not sections:
         editor.replace(len(text), len(text), [*_HEAD, *new_model])
     elif "Model" not in sections:
         head = () if text[: root.start].strip() else _HEAD
@@ -75,13 +82,13 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
 class _Editor(TextEditor):
     def add_options(
         self,
-        section: Span,
+        section: Node,
         options: Mapping[str, JsonValue],
         notes: Mapping[tuple[str, ...], str],
         path: tuple[str, ...] = (),
     ) -> None:
         """Add the keys that a map lacks, at its end."""
-        if not section.is_map or section.is_flow or not section.children:
+        if not isinstance(section, Map) or section.is_flow or not section.entries:
             return  # a person wrote something else there, or all of it in braces
         missing = {key: value for key, value in options.items() if section.get(key) is None}
         for key, value in options.items():
@@ -91,20 +98,17 @@ class _Editor(TextEditor):
         end = self.line_end(section.end)
         self.replace(end, end, option_lines(missing, notes, path), self.column(section.start))
 
-    def complete_entries(self, key: Span, section: Span, draft: Draft, name: str) -> None:
+    def complete_entries(self, key: Scalar, section: Node, draft: Draft, name: str) -> None:
         """Rewrite what is open in the entries that there are, and add the others behind them."""
-        items = section.children if not section.is_map else []
+        items = items_of(section)
         drafted = {entry.id: entry for entry in draft.entries}
         for item in items:
-            id_ = item.get("id") if item.is_map else None
-            entry = (
-                drafted.pop(id_.text, None) if id_ is not None and id_.text is not None else None
-            )
-            if entry is not None and not item.is_flow:
+            entry = drafted.pop(text_of(item, "id") or "", None)
+            if entry is not None and isinstance(item, Map) and not item.is_flow:
                 self._refresh(item, entry, draft.ages)
         new = [line for entry in drafted.values() for line in entry.lines()]
-        if new and items and section.is_flow:
-            raise EddiError(problem("K001.brackets", Place(name, section.line, 1)))
+        if new and items and isinstance(section, Items) and section.is_flow:
+            raise EddiError(problem("K001.brackets", Place(name, section.place.line, 1)))
         if new and items:
             dash = self.text.rfind("-", 0, items[0].start)
             end = self.line_end(section.end)
@@ -115,15 +119,15 @@ class _Editor(TextEditor):
             lines = [*comments, "EDDIInputs:", *(f"  {line}" for line in new)]
             self.replace(key.start, end, lines)
 
-    def _refresh(self, item: Span, draft: EntryDraft, ages: Mapping[str, str | None]) -> None:
+    def _refresh(self, item: Map, draft: EntryDraft, ages: Mapping[str, str | None]) -> None:
         """Decide anew what is TODO in an entry, and rewrite its comments."""
-        pairs = {key.text: (key, value) for key, value in item.entries() if key.text}
+        pairs = {key.text: (key, value) for key, value in item.entries if key.text}
         column, end = self.column(item.start), self.line_end(item.end)
         open_keys = [key for key, (_, value) in pairs.items() if self._is_open(value)]
         sources = [key for key in pairs if key in _SOURCES]
         is_free = all(key in open_keys for key in sources)
         written = {
-            key: value.text or "".join(child.text or "" for child in value.children)
+            key: "".join(scalar.text for scalar in scalars_of(value))
             for key, (_, value) in pairs.items()
             if key in (*_SOURCES, "unit")
         }
@@ -146,17 +150,18 @@ class _Editor(TextEditor):
         if "max_age" in open_keys and age is not None:
             self._replace_line(*pairs["max_age"], (age,) if age else (), column)
 
-    def _comment(self, item: Span, why: Sequence[str], column: int, *, is_new: bool) -> None:
+    def _comment(self, item: Map, why: Sequence[str], column: int, *, is_new: bool) -> None:
         """Replace the comments of this command in an entry by others, behind its first line."""
         start, end = self.line_start(item.start), self.line_end(item.end)
-        first = self.line_end(item.children[1].end)
-        if item.children[1].children or first > end:
+        value = item.entries[0][1]
+        first = self.line_end(value.end)
+        if not isinstance(value, Scalar) or first > end:
             return  # the first value takes several lines
         # a text of several lines may have one that looks like ours
         ours = [
             line.span()
             for line in _MARKED.finditer(self.text, start, end)
-            if not any(a < line.end() and line.start() < b for a, b in item.scalars)
+            if not any(s.start < line.end() and line.start() < s.end for s in scalars_of(item))
         ]
         new = "".join(f"{' ' * column}{line}{self.newline}" for line in why)
         is_there = len(ours) == len(why) and self.text.startswith(new, first)
@@ -165,7 +170,7 @@ class _Editor(TextEditor):
                 self.replace(line_start, line_end, ())
             self.replace(first, first, why, column)
 
-    def _replace_line(self, key: Span, value: Span, lines: Sequence[str], column: int) -> None:
+    def _replace_line(self, key: Scalar, value: Node, lines: Sequence[str], column: int) -> None:
         """Replace the line of a key whose value is TODO; comments of a person get lines above."""
         start, end = self.line_start(key.start), self.line_end(max(key.end, value.end))
         if self.text[start : key.start].strip():  # the first one, behind the dash
@@ -176,15 +181,15 @@ class _Editor(TextEditor):
             return  # still open, and a person says why
         self.replace(start, end, [*comments, *lines], column)
 
-    def _comments(self, value: Span, start: int, end: int) -> list[str]:
+    def _comments(self, value: Node, start: int, end: int) -> list[str]:
         """Return what a person wrote as comments between two offsets."""
         texts = comments(self.text, value, start, end).values()
         return [text for text in texts if not is_own(text)]
 
-    def _is_open(self, value: Span) -> bool:
+    def _is_open(self, value: Node) -> bool:
         """Return whether a value is TODO, or a map of nothing else."""
-        if value.is_map and value.children:
-            return all(self._is_open(inner) for _, inner in value.entries())
+        if isinstance(value, Map) and value.entries:
+            return all(self._is_open(inner) for _, inner in value.entries)
         return self.text[value.start : value.end] == TODO
 
 

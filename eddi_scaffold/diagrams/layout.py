@@ -9,6 +9,7 @@ from __future__ import annotations
 from bisect import bisect_left, insort
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from graphlib import TopologicalSorter
 from itertools import pairwise
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode
@@ -148,43 +149,33 @@ def _turned(count: int, edges: Sequence[Edge]) -> list[bool]:
     new, on_walk, done = 0, 1, 2
     state = [new] * count
     turned = [False] * len(edges)
-    for root in range(count):
-        walk = [(root, iter(leaving[root]))] if state[root] == new else []
-        state[root] = max(state[root], on_walk)
-        while walk:
-            node, remaining = walk[-1]
-            edge = next(remaining, None)
-            if edge is None:
-                state[node] = done
-                walk.pop()
-                continue
-            target = edges[edge][1]
-            if state[target] == on_walk:
-                turned[edge] = target != node
-            elif state[target] == new:
-                state[target] = on_walk
-                walk.append((target, iter(leaving[target])))
+    # nodes to enter, each with the edge that leads there, and those to leave, as complements
+    waiting: list[tuple[int, int | None]] = [(node, None) for node in reversed(range(count))]
+    while waiting:
+        node, edge = waiting.pop()
+        if node < 0:
+            state[~node] = done
+        elif state[node] == new:
+            state[node] = on_walk
+            waiting.append((~node, None))
+            waiting += ((edges[number][1], number) for number in reversed(leaving[node]))
+        elif state[node] == on_walk and edge is not None:
+            turned[edge] = edges[edge][0] != node
     return turned
 
 
 def _depths(count: int, edges: Sequence[Edge]) -> list[int]:
     """Return the longest way to each node; sources then move close to what they lead to."""
-    missing = [0] * count
+    before: list[list[int]] = [[] for _ in range(count)]
     following: list[list[int]] = [[] for _ in range(count)]
     for start, end in edges:
-        missing[end] += 1
+        before[end].append(start)
         following[start].append(end)
     depth = [0] * count
-    order = [node for node in range(count) if not missing[node]]
-    sources = set(order)
-    for node in order:
-        for target in following[node]:
-            depth[target] = max(depth[target], depth[node] + 1)
-            missing[target] -= 1
-            if not missing[target]:
-                order.append(target)
-    for node in sources:
-        if following[node]:
+    for node in TopologicalSorter(dict(enumerate(before))).static_order():
+        depth[node] = max((depth[start] + 1 for start in before[node]), default=0)
+    for node in range(count):
+        if following[node] and not before[node]:
             depth[node] = min(depth[target] for target in following[node]) - 1
     return depth
 

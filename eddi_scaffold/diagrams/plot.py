@@ -176,7 +176,8 @@ def _line(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
 def _grid(span: Span, bottom: int) -> Iterable[str]:
     for t in ticks(*span):
         x = float(_n(_x(t, span)))
-        yield _rule(x, _TOP - 6, x, bottom)
+        ends = f'x1="{_n(x)}" y1="{_n(_TOP - 6)}" x2="{_n(x)}" y2="{_n(bottom)}"'
+        yield f'<line class="grid" {ends}/>'
         yield _text(x, bottom + 14, f"{t:g}", "small", anchor="middle")
     yield _text(_WIDTH - _RIGHT + 18, bottom + 14, "s", "small")
 
@@ -187,11 +188,6 @@ def _legend(y: int) -> Iterable[str]:
         yield f'<rect x="{_n(x)}" y="{y - 9}" width="14" height="10" fill="{_COLOURS[value]}"/>'
         yield _text(x + 20, y, word, "small")
         x += 50 + 5.6 * len(word)
-
-
-def _rule(left: float, top: float, right: float, bottom: float) -> str:
-    ends = f'x1="{_n(left)}" y1="{_n(top)}" x2="{_n(right)}" y2="{_n(bottom)}"'
-    return f'<line class="grid" {ends}/>'
 
 
 def _x(t: float, span: Span) -> float:

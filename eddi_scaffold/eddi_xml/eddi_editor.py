@@ -13,7 +13,7 @@ from contextlib import suppress
 from typing import Any
 
 from eddi_scaffold.common.files import IMPORT
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.parsing import (
     XSI_TYPE,
     Element,
@@ -99,7 +99,6 @@ class _Converter:
         self.states: dict[tuple[Element | None, str], list[Element]] = {}
         # the first of those that are one: events of a tree, actions of an event
         self.first: dict[tuple[Element, object], Element] = {}
-        self.similar: dict[Element | None, SimilarNames] = {}  # states of machines
         self.contents: dict[Element, object] = {}  # of declarations
         # object, what it became, the failure model that it is in
         self.waiting: deque[tuple[Element, Element, Element | None]] = deque()
@@ -134,7 +133,6 @@ class _Converter:
         names: dict[str, Element] = {}
         homed: set[Element] = set()
         strange: dict[tuple[str, str], list[Element]] = {}
-        similar = SimilarNames(_KNOWN)
         for element in model.iter():
             tag, name, parent = feature_of(element), element.get("name") or "", element.getparent()
             is_item = parent is not None and _is_list(parent)
@@ -156,8 +154,7 @@ class _Converter:
                     homed.add(declared)
                     self.homes.setdefault(home, []).append(declared)
         for (case, tag), elements in strange.items():
-            hint = None if tag in _KNOWN else similar.hint(tag)
-            self.report(case, elements[0], hint=hint, tag=tag, number=len(elements))
+            self.report(case, elements[0], tag=tag, number=len(elements))
 
     def _identity(self, element: Element) -> object:
         """Return what a failure, or a cause without one, is known by: Ids may be used again."""
@@ -266,12 +263,7 @@ class _Converter:
         if len(states) == 1:
             self._compare(states[0], copy)
             return
-        if machine not in self.similar:
-            known = [key for of, key in self.states if of is machine]
-            self.similar[machine] = SimilarNames(known, "states")
-        hint = "give each a name of its own" if states else self.similar[machine].hint(name)
-        number = len(states) or "no"
-        self.report("X007.state", copy, hint=hint, feature=feature, name=name, number=number)
+        self.report("X007.state", copy, feature=feature, name=name, number=len(states) or "no")
 
     def _maps(self, maps: Element, target: Element) -> None:
         for item in maps:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.eddi_xml.parsing import HEAD_BYTES, Element, new_element
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, items_of, read_document
 
@@ -99,7 +99,7 @@ class _Reader:
             self.problems.append(problem("X010.attribute", node.place, attribute=key, owner=owner))
         for name, _ in node.entries:
             if name.text not in keys:
-                hint = SimilarNames(keys, "keys").hint(name.text)
+                hint = f"keys: {', '.join(keys)}"
                 fields = {"key": name.text, "owner": owner}
                 self.problems.append(problem("X011.key", name.place, hint=hint, **fields))
         return {name.text: value for name, value in node.entries}

@@ -8,7 +8,6 @@ monitor uses, and one of two spellings of one thing.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import PurePath
@@ -18,7 +17,7 @@ from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import CLASSES, KNOWN_CLASSES, MONITORED, EddiDocument
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
-from eddi_scaffold.eddi_xml.parsing import MAX_REFERENCES, Element, feature_of, select
+from eddi_scaffold.eddi_xml.parsing import MAX_REFERENCES, Element, feature_of
 from eddi_scaffold.eddi_xml.references import parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, fold, local_name
 
@@ -85,25 +84,13 @@ def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]
         types = [fold(document.attribute(cause, names.CAUSE_TYPE) or "") for cause in causes]
         gates = sum(document.class_of(cause).name == "gate" for cause in causes)
         counts |= {"basic_events": types.count("basicevent"), "gates": gates, "failures": failures}
-    if kind == "assurance_case":
-        inside = [e for e in model.iterdescendants() if feature_of(e) == "argumentationElement"]
-        classes = Counter(document.class_of(element).name for element in inside)
-        counts = {
-            "argumentation_elements": len(inside),
-            "claims": classes["claim"],
-            "artifact_references": classes["artifactreference"],
-            "artifact_elements": len(select(model, './/*[local-name()="artifactElement"]')),
-        }
-    if kind == "consert":  # the services that it refers to, or that its configuration holds
-        parent = model.getparent()
-        is_inside = parent is not None and names.CONFIGURATIONS.accepts(feature_of(parent))
-        for key, elements, link, listed in (
-            ("required_services", "demands", names.REQUIRED_SERVICE, names.REQUIRED_SERVICES),
-            ("provided_services", "guarantees", names.PROVIDED_SERVICE, names.PROVIDED_SERVICES),
+    if kind == "consert":  # the services that it refers to
+        for key, elements, link in (
+            ("required_services", "demands", names.REQUIRED_SERVICE),
+            ("provided_services", "guarantees", names.PROVIDED_SERVICE),
         ):
             texts = (document.attribute(element, link) or "" for element in parts[elements])
-            services = document.children(parent, listed) if parent is not None and is_inside else ()
-            counts[key] = len(services) or len({token for text in texts for token in text.split()})
+            counts[key] = len({token for text in texts for token in text.split()})
     return counts
 
 

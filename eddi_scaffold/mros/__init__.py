@@ -8,8 +8,6 @@
         print(component.name, [interface.ref for interface in component.interfaces])
 
 "MROS" is the family of languages of ipa320/ros-model, today ipa320/RosTooling (model based ROS).
-It is not the RobMoSys project MROS (metacontrol for ROS), although that one also wrote
-``.rossystem`` files.
 """
 
 from __future__ import annotations

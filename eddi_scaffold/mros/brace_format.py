@@ -100,11 +100,6 @@ class BraceReader(Cursor):
             yield key
         self.close(opened, *known)
 
-    def entry(self, *words: str) -> None:
-        """Take the word with which the elements of a list begin."""
-        if not self.accept(*words):
-            self.fail(repr(words[0]), "'}'")
-
     def named(self, of: str) -> str:
         """Take ``name`` and what follows it."""
         self.expect("name")
@@ -128,17 +123,12 @@ class BraceReader(Cursor):
 
     def skip_parameter(self, word: str) -> None:
         """Take a parameter, of which only the number counts."""
-        self.entry(word)
+        self.expect(word)
         if not self.is_next("{"):
             self.name("the name of the parameter")
         opened = self.open()
         self.behind("name", "the name of the parameter")
         self.skip_group(opened)
-
-    def expect_end(self, of: str) -> None:
-        """Refuse what comes after the last bracket."""
-        if not self.at_end():
-            self.fail(f"end of file (the {of} ends before)")
 
     # systems
 
@@ -159,7 +149,8 @@ class BraceReader(Cursor):
             else:
                 system.components += self.block(self._component, _LIST)
             self.accept(",")
-        self.expect_end("system")
+        if not self.at_end():
+            self.fail("end of file (the system ends before)")
         return system
 
     def _stack(self) -> None:
@@ -199,7 +190,7 @@ class BraceReader(Cursor):
 
     def _system_interface(self, section: Section) -> SystemInterface:
         place = self.place()
-        self.entry(*section.system_entries)
+        self.expect(*section.system_entries)
         name = None if self.is_next("{") else self.name("the name of the interface")
         opened = self.open()
         ns = self.behind("ns", "a namespace")
@@ -212,7 +203,7 @@ class BraceReader(Cursor):
 
     def _connection(self, entry: str) -> Connection:
         place = self.place()
-        self.entry(entry)
+        self.expect(entry)
         name = None if self.is_next("{") else self.name("the name of the connection")
         opened = self.open()
         self.expect("From", "FromTopic", "FromSrv")
@@ -243,7 +234,8 @@ class BraceReader(Cursor):
         while self.is_next("}"):
             model.problems.append(problem("M004.brace", self.place()))
             self.expect("}")
-        self.expect_end("package set")
+        if not self.at_end():
+            self.fail("end of file (the package set ends before)")
         return model
 
     def _package(self) -> Package:
@@ -292,7 +284,7 @@ class BraceReader(Cursor):
 
     def _interface(self, section: Section) -> Interface:
         place = self.place()
-        self.entry(section.entry)
+        self.expect(section.entry)
         opened = self.open()
         name = self.named("the interface")
         self.expect(section.type_word)

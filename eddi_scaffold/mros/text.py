@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import NoReturn
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, most_similar, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.mros.model import Dialect, Field
 
 STRING = r"""(?P<string>"(?:[^"\\]|\\[\s\S])*"|'(?:[^'\\]|\\[\s\S])*')"""
@@ -121,10 +121,7 @@ class Cursor:
         if kind == "bad":
             raise self.text.error(offset, value)
         actual = value if kind == "end" else quoted(value)
-        words = [word.strip("'") for word in expected]
-        similar = most_similar(value, words) if kind == "word" and len(words) > 2 else None
-        hint = f"; did you mean '{similar}'?" if similar else ""
-        raise self.text.error(offset, f"expected {alternatives(expected)}, found {actual}{hint}")
+        raise self.text.error(offset, f"expected {alternatives(expected)}, found {actual}")
 
     def name(self, what: str) -> str:
         r"""Take a word or a quoted text on one line, in which ``\x`` means x."""

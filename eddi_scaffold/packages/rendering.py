@@ -21,7 +21,8 @@ from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.regions.marked_file import sides_of
-from eddi_scaffold.yaml_text.nodes import dump_11, read_document, value_11
+from eddi_scaffold.yaml_text.nodes import read_document, value_11
+from eddi_scaffold.yaml_text.writer import dump_11
 
 if TYPE_CHECKING:
     from copier._main import Worker

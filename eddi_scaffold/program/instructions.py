@@ -31,7 +31,7 @@ operation is done once in a step, after those that it works on, and has one valu
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -165,24 +165,22 @@ class Sampling:
         self.uses = [[numbers[name] for name in used] for used in names]
 
 
-def _signatures() -> Iterator[tuple[str, tuple[tuple[str, ...], str]]]:
-    for operations, arguments, type_ in (
-        ("neg abs sqrt average sum max min median stddev rate", (NUMBER,), NUMBER),
-        ("least greatest add sub mul div", (NUMBER, NUMBER), NUMBER),
-        ("lt le gt ge eq ne", (NUMBER, NUMBER), BOOL),
-        ("eq_bool ne_bool and or xor implies latch", (BOOL, BOOL), BOOL),
-        ("eq_enum ne_enum", (ENUM, ENUM), BOOL),
-        ("not time once rise fall edge known_bool", (BOOL,), BOOL),
-        ("count elapsed", (BOOL,), NUMBER),
-        ("hysteresis", (NUMBER, NUMBER, NUMBER), BOOL),
-        ("known", (NUMBER,), BOOL),
-        ("known_enum", (ENUM,), BOOL),
-        ("age", (), NUMBER),
-    ):
-        yield from ((operation, (arguments, type_)) for operation in operations.split())
-
-
-SIGNATURES: Mapping[str, tuple[tuple[str, ...], str]] = dict(_signatures())
+_SIGNATURES: tuple[tuple[str, tuple[str, ...], str], ...] = (
+    ("neg abs sqrt average sum max min median stddev rate", (NUMBER,), NUMBER),
+    ("least greatest add sub mul div", (NUMBER, NUMBER), NUMBER),
+    ("lt le gt ge eq ne", (NUMBER, NUMBER), BOOL),
+    ("eq_bool ne_bool and or xor implies latch", (BOOL, BOOL), BOOL),
+    ("eq_enum ne_enum", (ENUM, ENUM), BOOL),
+    ("not time once rise fall edge known_bool", (BOOL,), BOOL),
+    ("count elapsed", (BOOL,), NUMBER),
+    ("hysteresis", (NUMBER, NUMBER, NUMBER), BOOL),
+    ("known", (NUMBER,), BOOL),
+    ("known_enum", (ENUM,), BOOL),
+    ("age", (), NUMBER),
+)
+SIGNATURES = {
+    name: (arguments, type_) for names, arguments, type_ in _SIGNATURES for name in names.split()
+}
 """Operation -> types of its arguments and of its value; ``age`` names a variable."""
 MAX_CAPACITY = 1 << 20  # samples in one window: 16 MB in C
 

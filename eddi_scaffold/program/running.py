@@ -84,11 +84,6 @@ class Engine:
         """Forget everything of former steps."""
         self._machine.restart()
 
-    @property
-    def overflows(self) -> int:
-        """How many samples were dropped because the host steps too often."""
-        return sum(window.overflows for window in self._machine.windows)
-
 
 def _lines(program: Program, sampling: Sampling) -> list[str]:
     inputs, names = names_of(program, sampling)

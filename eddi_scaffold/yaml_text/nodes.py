@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import yaml
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.yaml_text.spans import LINE_END, LOADER
 from eddi_scaffold.yaml_text.writer import Verbatim, dump_plain, quoted
 
 if TYPE_CHECKING:
@@ -26,6 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Verbatim", "dump_plain", "quoted"]
 
+LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 MAX_BYTES = 16 * 1024 * 1024
 MAX_ALIASED = 1_000_000  # nodes
 MAX_DEPTH = 32
@@ -35,7 +36,7 @@ _CORE_TAGS = frozenset({"!", *(f"tag:yaml.org,2002:{name}" for name in _CORE_TYP
 _BOOLEANS = {word: word[0] in "tT" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
 NOT_YAML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _DECIMAL = re.compile(r"[-+]?(?!0[0-9])(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
+_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]{0,17})")
 _NULLS = frozenset({"", "~", "null", "Null", "NULL"})
 _OTHER_BASE = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
 _SPECIAL = re.compile(r"(?P<sign>[-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
@@ -48,6 +49,8 @@ class Scalar:
     text: str  # content without quotes and escapes
     plain: bool  # written without quotes, so that its form may determine its type
     place: Place = field(default=Place(), compare=False)
+    start: int = field(default=0, compare=False)  # offset of its first character
+    end: int = field(default=0, compare=False)  # offset behind it
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,10 @@ class Items:
 
     items: tuple[Node, ...]
     place: Place = field(default=Place(), compare=False)
+    start: int = field(default=0, compare=False)  # offset of its first character
+    # offset behind its last scalar or its bracket: marks of PyYAML end a block at the next token
+    end: int = field(default=0, compare=False)
+    is_flow: bool = field(default=False, compare=False)  # written with brackets
 
 
 @dataclass(frozen=True)
@@ -64,6 +71,9 @@ class Map:
 
     entries: tuple[tuple[Scalar, Node], ...]  # key and value in the order of the file
     place: Place = field(default=Place(), compare=False)
+    start: int = field(default=0, compare=False)  # as of a list
+    end: int = field(default=0, compare=False)
+    is_flow: bool = field(default=False, compare=False)  # written with braces
 
     def get(self, key: str) -> Node | None:
         """Return the value of a key, ``None`` when it is absent."""
@@ -155,7 +165,7 @@ def as_integer(node: Node) -> int | None:
     """Return the decimal integer (up to 18 digits) that a plain scalar is, ``None`` for others."""
     if not isinstance(node, Scalar) or not node.plain or not _INTEGER.fullmatch(node.text):
         return None
-    return int(node.text) if len(node.text) <= 19 else None
+    return int(node.text)
 
 
 def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]]:
@@ -240,12 +250,6 @@ def value_11(node: Node) -> Any:
     return _scalar_11(node.text) if node.plain else node.text
 
 
-def dump_11(data: dict[str, str]) -> str:
-    """Write a flat map as Copier's filter ``to_nice_yaml`` writes it into an answers file."""
-    text = yaml.safe_dump(data, indent=4, allow_unicode=True, default_flow_style=False)
-    return str(text)
-
-
 _RESOLVING = yaml.SafeLoader("")  # PyYAML's own idea of plain scalars, without a document
 _AS_TEXT_11 = ("timestamp", "merge", "value", "str")
 _NUMBERS_11 = ("int", "float")  # in base 2, 8, 16 and 60 also longer than Python can write
@@ -266,18 +270,14 @@ def _scalar_11(text: str) -> Any:
 
 _TOO_DEEP = f"nested deeper than the limit of {MAX_DEPTH}"
 _QUOTE = "put a text with `: # % & * ! | > [ ] { } ,` in quotes, and indent with blanks"
-_RESOLVE = (
-    "keep what is right of both sides, and delete the lines of `<<<<<<<`, `=======`, `>>>>>>>`"
-)
+_RESOLVE = "keep what is right of both sides, and delete the lines `<<<<<<<`, `=======`, `>>>>>>>`"
 
 
 @dataclass
 class _Open:
     """A list or map that is still being read."""
 
-    place: Place
-    is_map: bool
-    anchor: str | None
+    event: Any  # with which it begins
     children: list[Node] = field(default_factory=list)
 
 
@@ -340,21 +340,24 @@ class _Composer:
         return self._fault(f"this is not YAML: {reason}", place, _QUOTE)
 
     def _take(self, event: Any) -> None:
-        place = self._place(event.start_mark)
+        place, start, end = (
+            self._place(event.start_mark),
+            event.start_mark.index,
+            event.end_mark.index,
+        )
         if getattr(event, "tag", None) is not None and event.tag not in _CORE_TAGS:
             raise self._fault(f"the tag {event.tag!r} is not supported here", place, _QUOTE)
         if isinstance(event, yaml.ScalarEvent):
             plain = event.style in (None, "") and event.tag is None
-            self._add(Scalar(event.value, plain, place), event.anchor)
+            self._add(Scalar(event.value, plain, place, start, end), event.anchor)
         elif isinstance(event, yaml.CollectionStartEvent):
             if len(self.open) >= MAX_DEPTH:
                 raise self._fault(_TOO_DEEP, place)
-            self.anchors.pop(event.anchor, None)  # an alias to what is still open has none
-            self.open.append(_Open(place, isinstance(event, yaml.MappingStartEvent), event.anchor))
+            self.anchors.pop(str(event.anchor), None)  # an alias to what is still open has none
+            self.open.append(_Open(event))
         elif isinstance(event, yaml.CollectionEndEvent):
             done = self.open.pop()
-            node = self._map(done) if done.is_map else Items(tuple(done.children), done.place)
-            self._add(node, done.anchor)
+            self._add(self._collection(done, end), done.event.anchor)
         elif isinstance(event, yaml.AliasEvent):
             if event.anchor not in self.anchors:
                 raise self._fault(
@@ -367,7 +370,7 @@ class _Composer:
                 raise self._fault(reason, place)
             if len(self.open) + levels > MAX_DEPTH + 1:
                 raise self._fault(_TOO_DEEP, place)
-            self._add(self.anchors[event.anchor], None)
+            self._add(replace(self.anchors[event.anchor], start=start, end=end), None)
         elif isinstance(event, yaml.DocumentStartEvent):
             if self.roots and not self.has_many:
                 raise self._fault("the file contains more than one document", place)
@@ -378,7 +381,13 @@ class _Composer:
             self.anchors[anchor] = node
         (self.open[-1].children if self.open else self.roots).append(node)
 
-    def _map(self, done: _Open) -> Map:
+    def _collection(self, done: _Open, end: int) -> Node:
+        place, start = self._place(done.event.start_mark), done.event.start_mark.index
+        is_flow = bool(done.event.flow_style)
+        if not is_flow:  # an empty part, marked at the next token, moves no end
+            end = max((each.end for each in done.children if each.end > each.start), default=start)
+        if isinstance(done.event, yaml.SequenceStartEvent):
+            return Items(tuple(done.children), place, start, end, is_flow)
         entries: dict[str, tuple[Scalar, Node]] = {}
         for key, value in zip(done.children[::2], done.children[1::2], strict=True):
             if not isinstance(key, Scalar):
@@ -387,4 +396,4 @@ class _Composer:
             if first is not key:
                 message = f"the key {shown(key.text)} is repeated, first in line {first.place.line}"
                 self.problems += self._fault(message, key.place).problems
-        return Map(tuple(entries.values()), done.place)
+        return Map(tuple(entries.values()), place, start, end, is_flow)

@@ -1,85 +1,24 @@
-"""Places of the parts of a YAML text, to the character, so that one part can be replaced.
-
-Marks of PyYAML end a block at the next token, behind blank lines and comments that belong to what
-follows; here a part ends with its last scalar.
-"""
+"""Parts of a YAML text that are replaced, and the places of the characters in its scalars."""
 
 from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
-
-import yaml
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from eddi_scaffold.common.problems import Place
+from eddi_scaffold.yaml_text.nodes import LINE_END, Node, scalars_of
 
-LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _COMMENT = re.compile(r"(?:^|(?<=\s))#(?=([^\n]*))")
 
 
-@dataclass
-class Span:
-    """One node and its text."""
-
-    start: int  # offset of its first character
-    end: int  # offset behind its last scalar or closing bracket; `start` for an empty part
-    line: int
-    text: str | None = None  # of a scalar, else `None`
-    is_map: bool = False  # a mapping, whose children are keys and values in turn
-    is_flow: bool = False  # written with brackets or braces
-    children: list[Span] = field(default_factory=list)
-    scalars: list[tuple[int, int]] = field(default_factory=list)
-
-    def entries(self) -> Iterator[tuple[Span, Span]]:
-        """Return keys with values of a mapping."""
-        return zip(self.children[::2], self.children[1::2], strict=True)
-
-    def get(self, key: str) -> Span | None:
-        """Return the value of a key of a mapping."""
-        return next((value for name, value in self.entries() if name.text == key), None)
-
-
-def spans(text: str) -> Span | None:
-    """Return the root of a text that was read without a problem, ``None`` for no document."""
-    stack: list[Span] = []
-    for event in yaml.parse(text, Loader=LOADER):
-        start: Any = event.start_mark
-        end: Any = event.end_mark
-        span = Span(start.index, start.index, start.line + 1)
-        if isinstance(event, yaml.CollectionStartEvent):
-            span.is_map = isinstance(event, yaml.MappingStartEvent)
-            span.is_flow = bool(event.flow_style)
-            stack.append(span)
-            continue
-        if isinstance(event, yaml.CollectionEndEvent):
-            span = stack.pop()
-            span.end = end.index if span.is_flow else span.end
-        elif isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):
-            span.end = end.index
-            if isinstance(event, yaml.ScalarEvent):
-                span.text = event.value
-                span.scalars += [(span.start, span.end)] if span.end > span.start else []
-        else:
-            continue
-        if not stack:
-            return span
-        parent = stack[-1]
-        parent.children.append(span)
-        if span.end > span.start:  # an empty part, marked at the next token, moves no end
-            parent.end = max(parent.end, span.end)
-        parent.scalars += span.scalars
-    return None
-
-
-def comments(text: str, span: Span, start: int, end: int) -> dict[int, str]:
+def comments(text: str, node: Node, start: int, end: int) -> dict[int, str]:
     """Return the comments between two offsets by their lines (counted from 1)."""
+    scalars = [*scalars_of(node)]
     comments: dict[int, str] = {}
     for match in _COMMENT.finditer(text, start, end):
-        if not any(first <= match.start() < last for first, last in span.scalars):
+        if not any(scalar.start <= match.start() < scalar.end for scalar in scalars):
             comments.setdefault(text.count("\n", 0, match.start()) + 1, f"#{match[1]}".rstrip())
     return comments
 

@@ -10,6 +10,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import yaml
+
 
 class Verbatim(str):
     """A text that :func:`dump_plain` writes as it is: a number with its own digits."""
@@ -47,6 +49,12 @@ def dump_plain(data: Any) -> str:
         one line per scalar, independent of the version of any YAML library.
     """
     return "".join(f"{line}\n" for line in _lines(data))
+
+
+def dump_11(data: dict[str, str]) -> str:
+    """Write a flat map as Copier's filter ``to_nice_yaml`` writes it into an answers file."""
+    text = yaml.safe_dump(data, indent=4, allow_unicode=True, default_flow_style=False)
+    return str(text)
 
 
 def _lines(data: Any) -> list[str]:

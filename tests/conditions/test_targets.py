@@ -169,7 +169,6 @@ def test_an_overflow_is_unknown_until_it_has_left_the_window(tmp_path: Path) -> 
         result = [engine.step(step.t, [step.values["x"]])[0] for step in played]
         in_c = [c_program.as_number(line) for line in lines]
         assert [repr(x) for x in result] == [repr(x) for x in in_c]
-        assert engine.overflows > 0
         assert all(map(math.isnan, result[100:205])), function
         assert not any(map(math.isnan, result[230:]))
 

@@ -88,7 +88,7 @@ def test_models(text: str, tree: str) -> None:
         (SYSTEM, "RosComponentStacks (", "RosComponentStacks s", "expected '(' or '{'"),
         (SYSTEM, "QualityAttributes {", "QualityAttributes high {", "expected '{', found 'high'"),
         (SYSTEM, "[ c ]", "[ c }", "']' (it closes the '[' of line 16, column 33), found '}'"),
-        (SYSTEM, "RosParameter r {", "Parameter r {", "expected 'RosParameter' or '}'"),
+        (SYSTEM, "RosParameter r {", "Parameter r {", "expected 'RosParameter', found"),
         (SYSTEM, "value 3 [", "value 3 ) [", "(it closes the '{' of line 2, column 26), found ')'"),
         (MODEL, "bool[] ok", "bool[ ok", "expected ']'"),
         (MODEL, "default { 3 }", "default { '3", "never closed"),

@@ -1,21 +1,9 @@
 """What each diagnostic says and means: the only place of these texts.
 
 A file for the codes of each letter, ``K.toml``. A code has a table with its ``title``, ``why`` it
-matters and what helps (``fix``); what is printed stands in a table for each case, or in that of
-the code where it has one case only::
-
-    [K029]
-    title = "an age limit that cannot work"
-    why = "The value counts as known long after its source died."
-    fix = "write the limit in seconds"
-
-    [K029.long]
-    level = "warning"
-    text = "{source!r} counts as known for {limit:g} s after its source has died"
-    hint = "write {seconds:g} if {limit:g} ms are meant"
-
-A call names the case, and gives the fields of its text and its hint:
-``problem("K029.long", place, source=..., limit=..., seconds=...)``.
+matters and what helps (``fix``); what is printed stands in a table for each case
+(``[K029.long]``), or in that of the code where it has one case only. A call names the case, and
+gives the fields of its text and its hint.
 """
 
 from __future__ import annotations
@@ -130,8 +118,5 @@ def areas() -> list[Area]:
 
 def find(code: str) -> Diagnostic | None:
     """Return the diagnostic of a code, in whatever case it is written."""
-    return next((entry for entry in _all() if entry.code == code.upper()), None)
-
-
-def _all() -> list[Diagnostic]:
-    return [diagnostic for area in areas() for diagnostic in area.diagnostics.values()]
+    diagnostics = (entry for area in areas() for entry in area.diagnostics.values())
+    return next((entry for entry in diagnostics if entry.code == code.upper()), None)

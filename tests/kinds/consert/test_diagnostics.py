@@ -143,12 +143,6 @@ def test_whatever_stands_there_is_read_or_refused(text):
     assert reading.models or any(p.place.line for p in reading.problems)
 
 
-def test_a_comparison_without_quotes_is_told_what_to_write():
-    (problem,) = read("evidence:\n  Charge: >= 20 %\nguarantees:\n  G: Charge\n").problems
-    assert "at least 20 %" in problem.hint
-    assert problem.place.line == 2
-
-
 def test_deep_parentheses_are_refused():
     (problem, *_) = read(f"evidence: {{a: bool}}\nguarantees: {{G: {'(' * 60}a}}\n").problems
     assert problem.case == "C002.nested"
