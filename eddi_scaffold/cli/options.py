@@ -20,9 +20,7 @@ from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, INSTALLED, VENDORED
 from eddi_scaffold.platforms import names as platform_names
 
-_OTHER_PICTURES = frozenset(
-    [".png", ".pdf", ".jpg", ".jpeg", ".gif", ".bmp", ".webp", ".tif", ".tiff", ".eps", ".ps"]
-)
+_OTHER_PICTURES = (".png", ".pdf", ".jpg", ".jpeg", ".gif", ".eps", ".ps")
 
 
 def for_pictures(path: Path | None) -> Path | None:

@@ -99,13 +99,6 @@ def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Ren
             raise _refused(f"this command makes no package {new!r}", hint)
         former[new], places[new] = old, new if has_moved else old
     for new, place in places.items():
-        if os.path.lexists(root / place / ".git"):
-            message = "'.git' cannot move along: the package is a repository of its own"
-            hint = (
-                "move '.git' away, run this again, and move it into the new folder; of a submodule,"
-                " write the new path into .gitmodules and into the core.worktree of its repository"
-            )
-            raise _refused(message, hint, root / place)
         if place != new:
             _check_room(root / new)
     return Renames(former, places)
