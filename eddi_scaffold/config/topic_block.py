@@ -17,7 +17,6 @@ from eddi_scaffold.mros.topics import TopicEntry
 from eddi_scaffold.yaml_text.nodes import NOT_YAML, Map, items_of, quoted, read_document, scalars_of
 from eddi_scaffold.yaml_text.spans import Span, TextEditor, comments, spans
 
-KEPT_ENTRIES = ("M026.stays", "M026.needed")
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
 _WORDS = re.compile(r"\w+")

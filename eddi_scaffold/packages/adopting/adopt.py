@@ -92,11 +92,6 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         if statements:
             rejects[module.path.name] = "\n\n".join(statements) + "\n"
             notes.append(f"{module.path}: lines outside of the regions are kept in .eddi/kept")
-        notes += [
-            f"{module.path}: this import is not carried over: {ast.unparse(import_)}"
-            for import_ in module.imports
-            if not _is_frame_import(import_)
-        ]
     # methods that get the messages, and have the states, that they had before
     old_inputs = old.eddi_input.methods if old.eddi_input is not None else {}
     old_nodes = old.config.methods if old.config is not None else {}
@@ -221,13 +216,6 @@ def _outcomes(tree: ast.FunctionDef) -> set[str]:
     }
 
 
-def _is_frame_import(node: ast.stmt) -> bool:
-    """Return whether the old generator wrote an import."""
-    names = [alias.name for alias in getattr(node, "names", ())]
-    module = getattr(node, "module", None) or ""
-    return module in {"typing", "__future__"} or module.endswith(".msg") or names == ["rospy"]
-
-
 def write_adopted(
     adoption: Adoption, platform: Platform, place: Path, template: Template, *, dry_run: bool
 ) -> tuple[WriteResult, Sequence[Problem], Sequence[str]]:
@@ -283,12 +271,7 @@ def write_adopted(
             for path, body in kept.items()
             if path not in outcome.changes
         ]
-        needed = "are not needed any more, and"
-        if adoption.wiring.lost:
-            needed = "are needed until you have written what was not recovered; they"
-        report.append(f"the old files {needed} were left as they are:")
-        old_files = (adoption.old.folder / file for file in adoption.old.files)
-        report += [f"  {file}" for file in old_files if file != adoption.model_file]
+        report.append("the old files were left as they are")
     return replace(outcome, attention=look), problems, report
 
 
