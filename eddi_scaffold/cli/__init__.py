@@ -8,7 +8,6 @@ import sys
 import traceback
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 from eddi_scaffold.cli.console import ExitStatus, console
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
@@ -62,7 +61,11 @@ def _status(arguments: Sequence[str]) -> int:
         if type(failed).__name__ == "Abort":  # Ctrl-C as older versions of Typer report it
             result = ExitStatus.INTERRUPTED
         elif hasattr(failed, "format_message"):  # wrong usage; Typer keeps its class private
-            return _misused(failed, arguments)
+            if _wants_json(arguments):
+                reason = " ".join(failed.format_message().split())
+                return _fail([problem("G000.usage", reason=reason)], arguments)
+            failed.show()
+            return ExitStatus.BAD_INPUT
         else:
             _report_bug(failed, with_traceback=with_traceback)
             return ExitStatus.OUR_BUG
@@ -76,14 +79,6 @@ def _fail(problems: Sequence[Problem], arguments: Sequence[str]) -> int:
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
         console.problems(problems)
-    return ExitStatus.BAD_INPUT
-
-
-def _misused(failed: Any, arguments: Sequence[str]) -> int:
-    if _wants_json(arguments):
-        reason = " ".join(failed.format_message().split())
-        return _fail([problem("G000.usage", reason=reason)], arguments)
-    failed.show()
     return ExitStatus.BAD_INPUT
 
 

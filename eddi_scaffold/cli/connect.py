@@ -16,7 +16,6 @@ from eddi_scaffold.common.problems import has_errors, plural
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.connecting import DraftResult
-    from eddi_scaffold.connect.rossystem import Parsed
 
 
 _STATES = {
@@ -157,26 +156,11 @@ def parse_rossystem(
     console.problems(robot.located(parsed.problems), summary=False)
     counts = {key: plural(n, key.removesuffix("s")) for key, n in parsed.summary().items()}
     summary = ", ".join(counts[key] for key in ("components", "publishers", "topics"))
-    unheard = [counts[key] for key in ("services", "actions") if parsed.summary()[key]]
-    if unheard:
-        summary += f"; {' and '.join(unheard)} cannot be listened to"
     summary += f"; {counts['errors']}, {counts['warnings']}"
     if format == "yaml":
-        summary += f"; {_result(parsed, config, dry_run=dry_run)}"
+        written = "would be written" if dry_run else "is written"
+        summary += f"; {config} {written if parsed.is_changed else 'is not changed'}"
     if has_errors(parsed.problems):
         console.complain(summary)
         raise typer.Exit(ExitStatus.NO)
     console.say(summary)
-
-
-def _result(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
-    """Return what became of the configuration."""
-    from eddi_scaffold.config.topic_block import KEPT_ENTRIES
-
-    if not parsed.is_changed:
-        result = f"{config} is not changed"
-    else:
-        result = f"{config} {'would be' if dry_run else 'is'} written"
-    kept = sum(problem.case in KEPT_ENTRIES for problem in parsed.problems)
-    stays = "1 entry of before stays" if kept == 1 else f"{kept} entries of before stay"
-    return f"{result}; {stays}" if kept else result

@@ -39,11 +39,10 @@ def with_source_lines(problems: Iterable[Problem]) -> list[Problem]:
         if reported.excerpt is None and reported.place.file and reported.place.line is not None:
             numbers.setdefault(reported.place.file, set()).add(reported.place.line)
     lines = {(file, n): line for file in numbers for n, line in _lines(file, numbers[file])}
+    places = ((reported.place.file or "", reported.place.line or 0) for reported in problems)
     return [
-        replace(p, excerpt=lines.get((p.place.file or "", p.place.line or 0), p.excerpt))
-        if p.excerpt is None
-        else p
-        for p in problems
+        replace(reported, excerpt=lines.get(place, reported.excerpt))
+        for reported, place in zip(problems, places, strict=True)
     ]
 
 
@@ -59,7 +58,7 @@ def _lines(file: str, numbers: set[int]) -> Iterator[tuple[int, str]]:
 
 
 _COLOURS = {
-    "error": "31", "warning": "33", "info": "36", "hint": "36", "success": "32", "place": "1",
+    "error": "31", "warning": "33", "info": "36", "hint": "36", "place": "1",
 }  # fmt: skip
 _WIDTH = 160  # characters of a source line that are shown
 
@@ -86,11 +85,6 @@ class Console:
     def complain(self, text: str) -> None:
         """Print words, quiet or not."""
         _write(sys.stderr, _clean(f"{text}\n"))
-
-    def success(self, text: str) -> None:
-        """Print that something is done, unless quiet."""
-        if not self.quiet:
-            _write(sys.stderr, self._painted("success", _clean(text)) + "\n")
 
     def progress(self, text: str) -> None:
         """Print what is being done, on a terminal only."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -67,7 +68,9 @@ def event(
     from eddi_scaffold.conditions.tokens import EXPRESSION
     from eddi_scaffold.program.standalone import check_module_name, module_name
 
-    path = file or _file_of(text or "")
+    # a text that is too long for a name, or has a NUL, is no file for `isfile`
+    named = text is not None and (os.path.isfile(text) or text.endswith(".events"))  # noqa: PTH113
+    path = Path(text) if named else file
     if not serve and name is not None:
         check_module_name(name)
     if not serve and (None not in {text, file} or {text, file, config} == {None}):
@@ -111,15 +114,6 @@ def event(
         stem = name or module_name(own)
         files = generate(analysis, target, stem)
         _write(report_json(analysis), files, output, as_json=as_json)
-
-
-def _file_of(text: str) -> Path | None:
-    """Return the path when the argument names a file, and is not an expression."""
-    try:
-        is_file = Path(text).is_file()
-    except (OSError, ValueError):  # too long for a name, or a NUL
-        return None
-    return Path(text) if is_file or text.endswith(".events") else None
 
 
 def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:

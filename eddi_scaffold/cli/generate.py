@@ -118,8 +118,8 @@ def _generate_fleet(
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.deployments.fleet_checks import sites_of
     from eddi_scaffold.monitors.loading import checked_models
-    from eddi_scaffold.packages.fleets import open_inputs, places_of, write_sites
-    from eddi_scaffold.packages.handwritten import without_written_inputs
+    from eddi_scaffold.packages.fleets import places_of, write_sites
+    from eddi_scaffold.packages.handwritten import unwritten, without_written_inputs
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import alone
 
@@ -145,8 +145,9 @@ def _generate_fleet(
         return [place / name for place in places_of(sites, folder) if (place / name).is_dir()]
 
     console.problems(without_written_inputs([*problems, *more], packages))
-    steps = [f"write this input: {where}" for where in open_inputs(sites, folder)]
-    for site in sites:
+    steps: list[str] = []
+    for root, site in zip(places[1:], sites, strict=True):
+        steps += [f"write {where}" for where in unwritten(root, site.monitors)]
         steps += [f"{site.name}: {command}" for command in site.next_steps(folder / site.name)]
     finish(outcome, dry_run=dry_run, next_steps=steps)
 
@@ -221,18 +222,12 @@ def destination(platform: Platform, workspace: Path | None, output: Path | None)
         EddiError: it is missing or a package (G006), or the other one is given as well (G000).
     """
     from eddi_scaffold.packages.rendering import ANSWERS_FILE
-    from eddi_scaffold.platforms import platforms
 
-    in_workspace = platform.workspace is not None
     place, other, option = workspace, output, "-w WORKSPACE"
-    if not in_workspace:
+    if platform.workspace is None:
         place, other, option = output, workspace, "-o FOLDER"
     if place is None:
-        hint = None
-        if other is not None:
-            names = [p.name for p in platforms().values() if (p.workspace is None) == in_workspace]
-            hint = f"{'-o' if in_workspace else '-w'} is for --platform {' or '.join(names)}"
-        raise EddiError(problem("G006.platform", hint=hint, platform=platform.name, option=option))
+        raise EddiError(problem("G006.platform", platform=platform.name, option=option))
     if other is not None:
         raise EddiError(problem("G000.alone", platform=platform.name, option=option))
     if (place / ANSWERS_FILE).is_file():
@@ -264,9 +259,9 @@ def _report(outcome: WriteResult, *, dry_run: bool) -> None:
             console.data(diff.rstrip("\n"))
         console.say(f"{size} would change below {outcome.root}")
     elif not outcome.changes:
-        console.success(f"nothing to change below {outcome.root}")
+        console.say(f"nothing to change below {outcome.root}")
     else:
-        console.success(f"{outcome.root}: {size}")
+        console.say(f"{outcome.root}: {size}")
         _list_changes(outcome, records)
     for note in outcome.notes:
         console.say(f"note: {note}")

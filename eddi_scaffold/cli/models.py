@@ -58,11 +58,11 @@ def diagram(
         files, output = dict(zip([output.name], files.values(), strict=True)), output.parent
     write(output, {file: svg.encode() for file, svg in files.items()})
     for file in files:
-        console.success(f"{output / file}")
+        console.say(f"{output / file}")
 
 
 def compose(
-    conserts: Annotated[list[str], typer.Argument(metavar="[NAME=]FILE...")],
+    conserts: list[Path],
     default_guarantee: list[str] | None = None,
     as_json: bool = False,
 ) -> None:
@@ -78,8 +78,7 @@ def compose(
     from eddi_scaffold.monitors.loading import complete_reading, read_models
 
     marks = default_guarantee or ()
-    arguments = [_named(argument) for argument in conserts]
-    sources = [read_source(file) for _, file in arguments]
+    sources = [read_source(file) for file in conserts]
     readings = [read_models(source, marks) for source in sources]
     models = [[m for m in r.models if isinstance(m, ConSertModel)] for r in readings]
     # a mark is wrong where no file has its guarantee
@@ -90,9 +89,7 @@ def compose(
         if inside
     ]
     instances = []
-    for (label, _), source, reading, inside in zip(
-        arguments, sources, readings, models, strict=True
-    ):
+    for source, reading, inside in zip(sources, readings, models, strict=True):
         problems = tuple(
             p
             for p in reading.problems
@@ -101,9 +98,7 @@ def compose(
         complete_reading(source, replace(reading, problems=problems))
         if not inside:
             raise EddiError(problem("F004.no_consert", Place(source.name)))
-        if label and len(inside) != 1:
-            raise EddiError(problem("G004.one_name", source=source.name, number=len(inside)))
-        instances += [(label or model.name, model.data) for model in inside]
+        instances += [(model.name, model.data) for model in inside]
         if not as_json:
             console.problems(problems)
     result = composition_of(instances)
@@ -115,14 +110,6 @@ def compose(
             console.data(line)
     if not result.composable:
         raise typer.Exit(ExitStatus.NO)
-
-
-def _named(argument: str) -> tuple[str, Path]:
-    """Return the name that an argument gives to its ConSert, or nothing, and its file."""
-    label, separator, file = argument.partition("=")
-    if not separator or Path(argument).exists():
-        return "", Path(argument)
-    return label, Path(file)
 
 
 def export(

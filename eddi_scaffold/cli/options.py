@@ -11,18 +11,16 @@ from copy import copy
 from functools import wraps
 from inspect import Parameter, getdoc, signature
 from pathlib import Path
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 import typer
 
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, INSTALLED, VENDORED
+from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER
 from eddi_scaffold.platforms import names as platform_names
 
-_OTHER_PICTURES = frozenset(
-    [".png", ".pdf", ".jpg", ".jpeg", ".gif", ".bmp", ".webp", ".tif", ".tiff", ".eps", ".ps"]
-)
+_OTHER_PICTURES = (".png", ".pdf", ".jpg", ".jpeg", ".gif", ".eps", ".ps")
 
 
 def for_pictures(path: Path | None) -> Path | None:
@@ -31,13 +29,6 @@ def for_pictures(path: Path | None) -> Path | None:
         svg = path.with_suffix(".svg")
         raise EddiError(problem("G000.picture", Place(str(path)), suffix=path.suffix, value=svg))
     return path
-
-
-def a_runtime(name: str | None) -> str | None:
-    """Refuse a place of the runtime library that there is not."""
-    if name not in {None, VENDORED, INSTALLED}:
-        raise typer.BadParameter(f"{name!r} is neither {VENDORED} nor {INSTALLED}")
-    return name
 
 
 Output = Annotated[Path | None, typer.Option("-o", "--output")]
@@ -54,10 +45,9 @@ PlatformOfPlace = Annotated[
     ),
 ]
 Runtime = Annotated[
-    str | None,
+    Literal["vendored", "installed"] | None,
     typer.Option(
         "--runtime",
-        callback=a_runtime,
         help="Where the runtime library is: vendored (beside the monitors) or installed (the"
         " distribution eddi-runtime). By default as it is, at first vendored.",
     ),

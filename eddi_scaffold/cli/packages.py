@@ -154,7 +154,7 @@ def regions(
 
     path = path if workspace is None else workspace
     for region_id in accept_regions(path, accept) if accept else ():
-        console.success(f"accepted {region_id}")
+        console.say(f"accepted {region_id}")
     entries = inventory(path)
     if as_json:
         keys = ("id", "file", "line", "state", "notes")

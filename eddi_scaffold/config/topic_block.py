@@ -26,7 +26,6 @@ from eddi_scaffold.yaml_text.nodes import (
 )
 from eddi_scaffold.yaml_text.spans import TextEditor, comments
 
-KEPT_ENTRIES = ("M026.stays", "M026.needed")
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
 _WORDS = re.compile(r"\w+")

@@ -10,7 +10,6 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.fleet_checks import Site
 from eddi_scaffold.packages.assembly import assemble
 from eddi_scaffold.packages.generation import WriteResult, write_packages
-from eddi_scaffold.packages.handwritten import unwritten
 from eddi_scaffold.packages.renaming import left_behind
 from eddi_scaffold.packages.rendering import Template
 from eddi_scaffold.packages.workspace import existing, root_below
@@ -65,11 +64,6 @@ def write_sites(
             decide.append(f"{robot}, and its monitors may still run")
     problems = [problem for plan in plans.values() for problem in plan.problems]
     return replace(outcome, left=decide), problems
-
-
-def open_inputs(sites: Sequence[Site], folder: Path) -> list[str]:
-    """Return where a person must still write how an input is made of its messages."""
-    return [place for site in sites for place in unwritten(_root(site, folder), site.monitors)]
 
 
 def _root(site: Site, folder: Path) -> Path:

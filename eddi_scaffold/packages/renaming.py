@@ -85,27 +85,17 @@ def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Ren
     for rename in words:
         old, new = (package_name(part) for part in rename.partition("=")[::2])
         if not (old and new):
-            raise _refused(f"{rename!r} is not OLD=NEW", "--rename ConSertA=ConSertB")
+            raise _refused(f"{rename!r} is not OLD=NEW")
         if not {old, new}.isdisjoint([*former, *former.values()]) or old == new:
-            hint = "name each package once; in a chain or ring, one command after another"
-            raise _refused(f"{rename!r} renames a package twice, or not at all", hint)
+            raise _refused(f"{rename!r} renames a package twice, or not at all")
         # a package knows its name: a run may have been killed when it had moved
         has_moved = present.get(new, {}).get("package") == old or old not in present
         if has_moved and new not in present:
-            known = ", ".join(sorted(present)) or "none"
-            raise _refused(f"there is no package {old!r} to rename", f"there are: {known}", root)
+            raise _refused(f"there is no package {old!r} to rename", root)
         if new not in made:
-            hint = "give the model of the new name, and its configuration"
-            raise _refused(f"this command makes no package {new!r}", hint)
+            raise _refused(f"this command makes no package {new!r}")
         former[new], places[new] = old, new if has_moved else old
     for new, place in places.items():
-        if os.path.lexists(root / place / ".git"):
-            message = "'.git' cannot move along: the package is a repository of its own"
-            hint = (
-                "move '.git' away, run this again, and move it into the new folder; of a submodule,"
-                " write the new path into .gitmodules and into the core.worktree of its repository"
-            )
-            raise _refused(message, hint, root / place)
         if place != new:
             _check_room(root / new)
     return Renames(former, places)
@@ -119,13 +109,12 @@ def _check_room(package: Path) -> None:
     ]
     if own or any(region.state != "untouched" for region in list_regions(package)):
         message = f"{package.name!r} is there already, and something in it was written by hand"
-        hint = "move what you need of it away, remove the folder, and run this again"
-        raise _refused(message, hint, package)
+        raise _refused(message, package)
 
 
-def _refused(message: str, hint: str, place: Path | None = None) -> EddiError:
+def _refused(message: str, place: Path | None = None) -> EddiError:
     where = Place(str(place) if place is not None else "")
-    return EddiError(problem("G025.rename", where, hint=hint, message=message))
+    return EddiError(problem("G025.rename", where, message=message))
 
 
 def left_behind(

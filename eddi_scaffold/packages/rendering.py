@@ -10,7 +10,7 @@ import os
 import re
 import tempfile
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import CodeType
@@ -161,53 +161,14 @@ class Renderer:
         words = ("defaults", "overwrite", "unsafe", "quiet", "skip_tasks")
         settings: dict[str, Any] = dict.fromkeys(words, True)
         if self._first is None:
-            self._first = _worker()(str(self.source.folder), **settings)
+            from copier._main import Worker  # noqa: PLC0415
+
+            self._first = Worker(str(self.source.folder), **settings)
             self._first.jinja_env.auto_reload = False
             _compile_once(self._first.jinja_env)
         worker = replace(self._first, dst_path=folder, data=answers)
         worker.template, worker.jinja_env = self._first.template, self._first.jinja_env
         worker.run_copy()
-
-
-def _worker() -> type[Worker]:
-    """Return a worker of Copier's that gathers the answers once for all files of a package.
-
-    Copier does it for each name again, of each folder above a file, too: most of its time.
-    """
-    from copier._main import Worker  # noqa: PLC0415
-
-    class AnswersOnce(Worker):
-        _known: dict[str, Any] | None = None
-
-        def _render_template(self) -> None:
-            self._known = dict(super()._render_context())
-            super()._render_template()
-
-        def _render_context(self) -> dict[str, Any]:
-            return dict(super()._render_context() if self._known is None else self._known)
-
-        def _render_path(self, relpath: Path) -> Iterable[tuple[Path, dict[str, Any] | None]]:
-            stage = str(self.data.get("stage", "{{ stage }}"))
-            known, name = str(relpath), str(relpath).replace("{{ stage }}", stage)
-            if "{" in name:
-                yield from super()._render_path(relpath)
-                return
-            self.jinja_env.preprocess(name)  # in which Copier forgets the `yield` of another one
-            suffix = self.template.templates_suffix
-            if not (self.template_copy_root / f"{known}{suffix}").exists():
-                yield Path(name.removesuffix(suffix)), None
-
-        def _render_string(self, string: str, extra_context: dict[str, Any] | None = None) -> str:
-            if "{" in string:
-                return super()._render_string(string, extra_context)
-            self.jinja_env.preprocess(string)
-            return string
-
-        @property
-        def answers_relpath(self) -> Path:
-            return Path(self._render_string(ANSWERS_FILE))
-
-    return AnswersOnce
 
 
 def _compile_once(environment: Any) -> None:

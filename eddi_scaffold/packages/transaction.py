@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import codecs
-import errno
 import secrets
 import shutil
 from collections.abc import Container, Mapping
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from eddi_scaffold.common.files import refuse_input, saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.config.topic_block import ConfigText
-from eddi_scaffold.regions.package import Step, kind_of, put_aside
+from eddi_scaffold.regions.package import Step, obstacle, put_aside
 
 
 def write(
@@ -32,10 +31,11 @@ def write(
     read = before or {}
     for path in files.keys() - read.keys():
         refuse_input(root / path)
+    for path in files:
+        if reason := obstacle(root, path):
+            raise EddiError(problem("F002.write", Place(str(root / path)), reason=reason))
     staging = root / f".eddi-{secrets.token_hex(4)}"
     try:
-        for path in files:
-            _refuse_obstacle(root, path)
         root.mkdir(parents=True, exist_ok=True)
         steps = []
         for path, data in files.items():
@@ -57,16 +57,6 @@ def write(
         raise EddiError(problem("F002.write", place, reason=reason)) from None
     finally:
         shutil.rmtree(staging, ignore_errors=True)
-
-
-def _refuse_obstacle(root: Path, path: str) -> None:
-    target = root / path
-    if any((root / folder).is_symlink() for folder in list(PurePosixPath(path).parents)[:-1]):
-        raise OSError(errno.ELOOP, "a link is in the way", str(target))
-    if target.is_dir() and not target.is_symlink():
-        raise IsADirectoryError(errno.EISDIR, "a folder is in its place", str(target))
-    if target.exists() and not target.is_file():
-        raise OSError(errno.EEXIST, f"{kind_of(target.resolve())} is in its place", str(target))
 
 
 def rewrite(document: ConfigText, after: str) -> None:

@@ -184,7 +184,11 @@ def targets(
             models[folder] = remade[folder][0].unconfigured
         elif folder not in models and paths.get(folder, model_file) is None:
             raise EddiError(problem("G015.no_model", Place(config.name)))
-    renewed = remade | rejoined(group.present, models, configs)
+    renewed = remade | {
+        folder: rejoined(folder, answers, models[folder], configs.get(folder))
+        for folder, answers in group.present.items()
+        if folder in models
+    }
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
     for folder, answers in group.present.items():
@@ -216,31 +220,25 @@ def targets(
 
 
 def rejoined(
-    present: Mapping[str, Mapping[str, Any]],
-    models: Mapping[str, Model],
-    configs: Mapping[str, ConfigFile],
-) -> dict[str, Rejoined]:
-    """Join newer models with the configurations that packages remember, or with newer ones.
+    folder: str, answers: Mapping[str, Any], model: Model, config: ConfigFile | None = None
+) -> Rejoined:
+    """Join a newer model with the configuration that its package remembers, or with a newer one.
 
-    All are by package; a model that no longer fits is an EddiError.
+    A model that no longer fits is an EddiError.
     """
-    monitors = {}
-    for folder, answers in present.items():
-        if folder not in models:
-            continue
-        config = configs.get(folder)
-        if text := answers.get("config"):
-            old = from_data(text, f"the configuration that {folder} remembers")
-            # types that came from models of the robot stay known without these
-            config = old if config is None else with_types(config, old.config.MessageTypes)
-        marks = answers.get("default_guarantees") or ()
-        monitor, problems = monitor_of(models[folder], config, marks)
-        if monitor is None:
-            raise EddiError(*problems)
-        if config is None:
-            monitor = replace(monitor, package=folder)  # whatever the file is called today
-        monitors[folder] = monitor, problems
-    return monitors
+    if text := answers.get("config"):
+        old = from_data(text, f"the configuration that {folder} remembers")
+        # types that came from models of the robot stay known without these
+        newer = old if config is None else with_types(config, old.config.MessageTypes)
+    else:
+        newer = config
+    marks = answers.get("default_guarantees") or ()
+    monitor, problems = monitor_of(model, newer, marks)
+    if monitor is None:
+        raise EddiError(*problems)
+    if newer is None:
+        monitor = replace(monitor, package=folder)  # whatever the file is called today
+    return monitor, problems
 
 
 def monitor_of_text(package: Path, answers: Mapping[str, Any]) -> Rejoined | None:
@@ -253,9 +251,7 @@ def monitor_of_text(package: Path, answers: Mapping[str, Any]) -> Rejoined | Non
         source = read_source(next_to(str(package / ANSWERS_FILE), answers.get("model_text", "")))
         reading = kinds()[facts.kind].model_class.read_file(source, ())
         model = complete_reading(source, reading).models[0].named(facts.id)
-        ((monitor, problems),) = rejoined(
-            {package.name: answers}, {package.name: model}, {}
-        ).values()
+        monitor, problems = rejoined(package.name, answers, model)
         if monitor.facts.digest == facts.digest:
             return monitor, problems
     return None

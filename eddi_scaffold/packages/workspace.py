@@ -13,7 +13,7 @@ from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.config.file import from_data
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.compiling import from_json as facts_of
-from eddi_scaffold.packages.rendering import ANSWERS_FILE, is_newer, read_answers, release
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, is_newer, read_answers
 from eddi_scaffold.platforms import Platform, owner_of
 from eddi_scaffold.regions.package import MANIFEST, BusyError, locked
 
@@ -96,16 +96,12 @@ def lacks_answers(package: Path) -> EddiError:
 
 def refuse_newer(packages: Iterable[Path]) -> None:
     """Refuse to write packages of a later release (T006): what it added would be taken out."""
-    newer = {
-        package / ANSWERS_FILE: version
-        for package in packages
-        if not package.is_symlink() and (answers := read_answers(package))
-        if is_newer(version := str(answers["generator_version"]))
-    }
+    files = [path / ANSWERS_FILE for path in packages if not path.is_symlink()]
+    versions = {file: (read_answers(file.parent) or {}).get("generator_version") for file in files}
+    newer = {file: version for file, version in versions.items() if is_newer(str(version))}
     if newer:
-        own, newest = __version__, max(newer.values(), key=release)
         made = [(Place(str(file)), version) for file, version in newer.items()]
-        raise EddiError(*(problem("T006", p, maker=v, present=own, newer=newest) for p, v in made))
+        raise EddiError(*(problem("T006", p, maker=v, present=__version__) for p, v in made))
 
 
 def packages_root(platform: Platform, place: Path) -> Path:

@@ -30,14 +30,6 @@ NEW = f"{EDDI}/new"
 PUT = f"{EDDI}/put"
 ANSWERS = ".copier-answers.yml"
 LINK = "a link"
-KINDS = {
-    stat.S_IFDIR: "a folder",
-    stat.S_IFLNK: LINK,
-    stat.S_IFIFO: "a FIFO",
-    stat.S_IFSOCK: "a socket",
-    stat.S_IFCHR: "a device",
-    stat.S_IFBLK: "a device",
-}
 _LINE = re.compile(r"([0-9a-f]{16}) (\S.*)")
 _NO_UTF8 = re.compile("[\udc80-\udcff]")
 _REGION = re.compile(rf"{re.escape(KEPT)}/[^/]+\.region(?:\.\d+)?")
@@ -67,10 +59,12 @@ def is_relative(name: object) -> bool:
 def kind_of(path: Path) -> str | None:
     """Return the kind of the entry at a path, ``None`` for a regular file or nothing."""
     try:
-        kind = stat.S_IFMT(path.lstat().st_mode)
+        mode = path.lstat().st_mode
     except OSError:
         return None
-    return None if kind == stat.S_IFREG else KINDS.get(kind, "no regular file")
+    if stat.S_ISREG(mode):
+        return None
+    return "a folder" if stat.S_ISDIR(mode) else LINK if stat.S_ISLNK(mode) else "no regular file"
 
 
 def entries(folder: Path, skip: Collection[str] = ()) -> Iterator[tuple[str, str | None]]:

@@ -150,22 +150,6 @@ def test_what_is_written_meanwhile_into_the_folder_that_makes_room_stays(folder:
     assert (folder / OLD).is_dir()
 
 
-def test_a_repository_is_not_moved(folder: Path) -> None:
-    """A submodule, whose repository says where its files lie; of another one `.git` is all."""
-    top, place = folder / "ws", "src/eddi_monitor/conserta"
-    inner = commit(top / place).rename(folder / "origin")
-    commit(top)
-    git(top, "-c", "protocol.file.allow=always", "submodule", "-q", "add", str(inner), place)
-    before = files_below(folder)
-    result = run(*RENAME, cwd=folder)
-    assert result.status == 2
-    assert "'.git' cannot move along: the package is a repository of its own" in result.err
-    assert "core.worktree" in result.err
-    assert files_below(folder) == before
-    (folder / OLD / ".git").rename(folder / "aside")
-    assert run(*RENAME, cwd=folder).status == 0
-
-
 def commit(folder: Path) -> Path:
     git(folder, "init", "-q")
     git(folder, "add", "-A")

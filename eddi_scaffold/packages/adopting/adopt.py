@@ -8,7 +8,6 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import attribute, package_name
@@ -29,6 +28,8 @@ from eddi_scaffold.packages.transaction import write
 from eddi_scaffold.packages.workspace import packages_root
 from eddi_scaffold.platforms import Platform
 from eddi_scaffold.regions.choosing import Body
+from eddi_scaffold.regions.markers import encode_id
+from eddi_scaffold.regions.package import KEPT
 
 _BY_CLASS: Mapping[str, JsonValue] = {"guarantee_ids": "class"}
 
@@ -94,11 +95,6 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         if statements:
             rejects[module.path.name] = "\n\n".join(statements) + "\n"
             notes.append(f"{module.path}: lines outside of the regions are kept in .eddi/kept")
-        notes += [
-            f"{module.path}: this import is not carried over: {ast.unparse(import_)}"
-            for import_ in module.imports
-            if not _is_frame_import(import_)
-        ]
     # methods that get the messages, and have the states, that they had before
     old_inputs = old.eddi_input.methods if old.eddi_input is not None else {}
     old_nodes = old.config.methods if old.config is not None else {}
@@ -230,13 +226,6 @@ def _outcomes(tree: ast.FunctionDef) -> set[str]:
     }
 
 
-def _is_frame_import(node: ast.stmt) -> bool:
-    """Return whether the old generator wrote an import."""
-    names = [alias.name for alias in getattr(node, "names", ())]
-    module = getattr(node, "module", None) or ""
-    return module in {"typing", "__future__"} or module.endswith(".msg") or names == ["rospy"]
-
-
 def write_adopted(
     adoption: Adoption, platform: Platform, place: Path, template: Template, *, dry_run: bool
 ) -> tuple[WriteResult, Sequence[Problem], Sequence[str]]:
@@ -280,35 +269,20 @@ def write_adopted(
         for new in plan.packages
     ]
     outcome = write_packages(root, packages, template, dry_run=dry_run)
-    (answers,) = (made.answers for made in packages if made.folder == package)
-    regions = {*_regions(answers)}
-    homeless = {body.region.id for body in bodies} - regions
-    look = outcome.attention or bool(adoption.rejects or adoption.wiring.lost or homeless)
+    look = outcome.attention or bool(adoption.rejects or adoption.wiring.lost)
     problems = [_at_place(problem, place) for problem in plan.problems]
     report: list[str] = []
     if not dry_run:
         write(place, new)
         report = [f"written: {place / name}" for name in files]
-        for body in bodies:
-            kept = "kept in .eddi/kept: it has no region here"
-            where = kept if body.region.id in homeless else "in its region"
-            report.append(f"{body.region.id}: the body is {where}")
-        needed = "are not needed any more, and"
-        if adoption.wiring.lost:
-            needed = "are needed until you have written what was not recovered; they"
-        report.append(f"the old files {needed} were left as they are:")
-        old_files = (adoption.old.folder / file for file in adoption.old.files)
-        report += [f"  {file}" for file in old_files if file != adoption.model_file]
+        kept = {f"{package}/{KEPT}/{encode_id(body.region.id)}.region": body for body in bodies}
+        report += [
+            f"{body.region.id}: the body is in its region"
+            for path, body in kept.items()
+            if path not in outcome.changes
+        ]
+        report.append("the old files were left as they are")
     return replace(outcome, attention=look), problems, report
-
-
-def _regions(answers: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the regions of the modules of a package."""
-    yield "EDDIInput.module"
-    yield from (f"process_{input_['attribute']}" for input_ in answers["inputs"])
-    for module in answers["modules"]:
-        yield f"{module['name']}.module"
-        yield from (method["name"] for method in module["methods"])
 
 
 def _at_place(problem: Problem, folder: Path) -> Problem:

@@ -49,7 +49,7 @@ class ParsedModule:
     lines: Sequence[str]  # of the file, which end with a line feed
     methods: dict[str, Method]  # of its classes, by name
     other: Sequence[ast.stmt]  # statements that are neither an import, a class nor a docstring
-    imports: Sequence[ast.stmt]
+    imports: Sequence[ast.Import | ast.ImportFrom]
 
     def text_of(self, node: ast.stmt) -> str:
         """Return the lines of a statement, with its decorators and comments above."""
@@ -124,6 +124,7 @@ def foreign(module: ParsedModule, prefix: str) -> Iterator[ast.stmt]:
 
     Its editable methods begin with a prefix, ``node_`` or ``process_``.
     """
+    yield from (import_ for import_ in module.imports if not _is_frame_import(import_))
     yield from module.other
     for method in module.methods.values():
         if method.name.startswith(prefix):  # a process method without markers is adopted whole
@@ -133,6 +134,11 @@ def foreign(module: ParsedModule, prefix: str) -> Iterator[ast.stmt]:
             yield from (statement for statement in method.outside if not _is_frame(statement))
         else:
             yield method.tree
+
+
+def _is_frame_import(node: ast.Import | ast.ImportFrom) -> bool:
+    names, module = [alias.name for alias in node.names], getattr(node, "module", None) or ""
+    return module in {"typing", "__future__"} or module.endswith(".msg") or names == ["rospy"]
 
 
 def _is_of_fig_15(node: ast.stmt) -> bool:
@@ -177,7 +183,6 @@ class OldPackage:
     node: ParsedModule | None  # the ROS node's script
     monitor: ParsedModule | None
     models: Sequence[Path]  # files that may hold the model, the best one first
-    files: Sequence[Path]  # every file, relative to the folder
 
 
 def read_old_package(folder: Path) -> OldPackage:
@@ -218,4 +223,4 @@ def read_old_package(folder: Path) -> OldPackage:
     name = package_name(match[1].decode("ascii")) if match else ""
     known = name if is_package_name(name) else None
     node, monitor = only("RosNode.py"), only("EDDIMonitor.py")
-    return OldPackage(folder, known, eddi_input, config, node, monitor, models, files)
+    return OldPackage(folder, known, eddi_input, config, node, monitor, models)

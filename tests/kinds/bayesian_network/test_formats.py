@@ -60,7 +60,7 @@ def test_without_a_configuration_the_file_names_the_package(config: bool, tmp_pa
     assert (monitor.package, monitor.model.name) == ("n" if config else "rover_risk", "N")
     if not config:
         answers = {"kind": "bayesian_network"}
-        again, _ = rejoined({"n": answers}, {"n": monitor.model}, {})["n"]
+        again, _ = rejoined("n", answers, monitor.model)
         assert again.package == "n"  # as an earlier release called it
 
 

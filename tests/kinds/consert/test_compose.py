@@ -163,13 +163,12 @@ def test_inclusion_is_that_of_the_numbers(inner, outer):
     assert is_inside(inner, outer) == expected
 
 
-@pytest.mark.parametrize("name", ["", "c="])
-def test_a_mark_counts_for_the_file_that_has_it(tmp_path: Path, name: str) -> None:
+def test_a_mark_counts_for_the_file_that_has_it(tmp_path: Path) -> None:
     text = data_text("conserts/fallback.yml")
     (tmp_path / "A.yml").write_text(text)
     (tmp_path / "B.yml").write_text(text.replace("Stop", "Wait"))
     marks = ("--default-guarantee", "Stop", "--default-guarantee", "B/Wait")
-    found = run("compose", f"{name}A.yml", "B.yml", *marks, cwd=tmp_path)
+    found = run("compose", "A.yml", "B.yml", *marks, cwd=tmp_path)
     assert (found.status, found.out.splitlines()[0]) == (0, "composable"), found.err
     wrong = run("compose", "A.yml", "B.yml", *marks, "--default-guarantee", "Sit", cwd=tmp_path)
     assert (wrong.status, wrong.err.count("[C008]")) == (2, 1)
