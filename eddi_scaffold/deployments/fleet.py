@@ -32,7 +32,7 @@ from eddi_scaffold.deployments.robots import (
     read_robots,
     with_demand_inputs,
 )
-from eddi_scaffold.deployments.support import wired
+from eddi_scaffold.deployments.support import publishers_of, wired
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
@@ -269,7 +269,7 @@ def is_closed(fleet: Fleet) -> bool:
     monitors = {
         monitor: wired(monitor.bound, monitor.robot.form.prefix) for monitor in fleet.monitors
     }
-    published = {topic for monitor in monitors.values() for topic, _ in monitor.published}
+    published = publishers_of([*monitors.values()])
     bound_demands = {(binding.user, binding.demand) for binding in fleet.bindings}
 
     def rests_on_others(fulfilment: Fulfilment) -> bool:

@@ -15,7 +15,12 @@ from typing import Literal
 
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.deployments.support import WiredMonitor, supports, supports_of_inputs
+from eddi_scaffold.deployments.support import (
+    WiredMonitor,
+    publishers_of,
+    supports,
+    supports_of_inputs,
+)
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.kinds import JsonValue
 
@@ -55,7 +60,7 @@ Times = dict[str, tuple[float, float]]
 
 def bounds(participants: Sequence[WiredMonitor]) -> list[ClaimLifetime]:
     """Return the bounds of all claims, in the order of the participants; claims have no ring."""
-    published = {topic for participant in participants for topic, _ in participant.published}
+    published = publishers_of(participants)
     return [
         ClaimLifetime(claim, source, *times)
         for claim, of in times_of_claims(participants, "silence").items()
@@ -118,10 +123,6 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
 
     Nobody has decided on a limit that is not written: where it does not fit, that is an error.
     """
-    publishers: dict[str, list[WiredMonitor]] = {}
-    for participant in together.participants:
-        for topic, _ in participant.published:
-            publishers.setdefault(topic, []).append(participant)
     there = set(map(id, together.others))  # what is between these was reported when they were made
     for reader in together.participants:
         required = {input_.id: input_.requires for input_ in reader.facts.inputs}
@@ -133,7 +134,7 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
                 is_default = entry.max_age is None and source.max_age is None
                 case = "K029.default_below_period" if is_default else "K029.below_period"
                 place = reader.config.place("EDDIInputs", index, "max_age")
-                for provider in publishers.get(reader.topic(source.topic), ()):
+                for provider, _ in together.publishers.get(reader.topic(source.topic), ()):
                     period, is_new = 1 / provider.frequency, not there >= {id(reader), id(provider)}
                     if is_new and limit < (least := _PERIODS * period):
                         names = {"input": entry.id, "source": provider.name}

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
-from eddi_scaffold.common.problems import Place, Problem, problem
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.support import PublishedTopic, WiredMonitor
+from eddi_scaffold.deployments.support import Output, Publishers, WiredMonitor, publishers_of
 from eddi_scaffold.monitors.input_rules import kind_of_message
-from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication
-
-
-class Publisher(NamedTuple):
-    """A topic that a member publishes."""
-
-    member: WiredMonitor
-    publication: Publication
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 
 
 @dataclass(frozen=True)
@@ -29,84 +21,61 @@ class Deployment:
     others: Sequence[WiredMonitor] = ()  # those that run with them
 
     @cached_property
-    def publishers(self) -> Mapping[str, Sequence[Publisher]]:
-        """Full name of a topic -> the members that publish it."""
-        publishers: dict[str, list[Publisher]] = {}
-        for member in self.members:
-            for publication in member.publications:
-                topic = member.topic(publication.output.topic)
-                publishers.setdefault(topic, []).append(Publisher(member, publication))
-        return publishers
+    def publishers(self) -> Publishers:
+        """Full name of a topic -> who publishes it, members first."""
+        return publishers_of(self.participants)
 
     @property
     def participants(self) -> Sequence[WiredMonitor]:
         """All monitors, as far as a package remembers them."""
         return [*self.members, *self.others]
 
-    def publisher(self, member: WiredMonitor, source: SimulatorOutput) -> Publisher | None:
-        """Return who publishes what a member listens to, ``None`` when no other member does."""
+    def publisher(
+        self, member: WiredMonitor, source: SimulatorOutput
+    ) -> tuple[WiredMonitor, Output] | None:
+        """Return who publishes what a member listens to, ``None`` when nobody does."""
         publishers = self.publishers.get(member.topic(source.topic), ())
-        return next((of for of in publishers if of.publication.type == source.type), None)
-
-    def other(self, member: WiredMonitor, source: SimulatorOutput) -> PublishedTopic | None:
-        """Return who of the others publishes what a member listens to."""
-        topic = member.topic(source.topic)
-        items = (item for other in self.others for at, item in other.published if at == topic)
-        return next(items, None)
+        return next((of for of in publishers if of[1].type in ("", source.type)), None)
 
 
 def check_topics(deployment: Deployment) -> Iterator[Problem]:
     """Report topics that two monitors publish (D005)."""
-    first: dict[str, tuple[WiredMonitor, Place]] = {}
     for topic, publishers in deployment.publishers.items():
-        results = [of for of in publishers if of.publication.of == "" or of.publication.path]
-        for other in results[1:]:
-            if other.member is not results[0].member:
-                names = {"first": results[0].member.name, "second": other.member.name}
-                place, own = other.publication.place, other.publication.output.topic
-                if results[0].member.namespace == other.member.namespace:
-                    yield problem("D005.shared", place, topic=topic, **names)
-                else:
-                    relative = own.removeprefix("/")
-                    yield problem("D005.robots", place, topic=topic, relative=relative, **names)
-        if results:
-            first[topic] = results[0].member, results[0].publication.place
-    for monitor in deployment.others:
-        config = monitor.config
-        for index, output in enumerate(config.config.EDDIOutputs):
-            topic, at = monitor.topic(output.topic), config.place("EDDIOutputs", index, "topic")
-            known, place = first.setdefault(topic, (monitor, at))
-            if place is at or known.name == monitor.name:  # the same, whose folder was moved
+        results = [of for of in publishers if of[1].is_result]
+        for other, output in results[1:]:
+            first, own = results[0]
+            names = {"first": first.name, "second": other.name, "topic": topic}
+            if other.bound is None and first.name != other.name:  # else its folder was moved
+                # No error: nodes may be started in namespaces of their own, or not at all.
+                yield problem("D005.package", own.place, package=other.package, **names)
+            elif other.bound is None or other is first:
                 continue
-            # No error: nodes may be started in namespaces of their own, or not at all.
-            names = {"name": known.name, "package": monitor.package, "topic": topic}
-            yield problem("D005.package", place, **names)
+            elif first.namespace == other.namespace:
+                yield problem("D005.shared", output.place, **names)
+            else:
+                relative = output.topic.removeprefix("/")
+                yield problem("D005.robots", output.place, relative=relative, **names)
 
 
-def check_alone(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
+def check_alone(deployment: Deployment) -> Iterator[Problem]:
     """Report who reads a value alone (D001): an unknown false would be passed on as known."""
-    alone = {
-        participant.topic(name): (participant, of)
-        for participant in participants
-        for name, of in participant.alone.items()
-    }
-    for reader in participants:
+    for reader in deployment.participants:
         for index, entry in enumerate(reader.config.config.EDDIInputs):
-            reads = dict.fromkeys(topic for topic, _ in reader.topics_read.get(entry.id, ()))
-            for topic in (topic for topic in reads if topic in alone):
-                publisher, field = alone[topic]
-                place = reader.config.place("EDDIInputs", index)
-                names = {"input": entry.id, "topic": topic, "monitor": publisher.name}
-                yield problem("D001.alone", place, field=field, **names)
+            for topic in dict.fromkeys(topic for topic, _ in reader.topics_read.get(entry.id, ())):
+                for publisher, output in deployment.publishers.get(topic, ()):
+                    if output.value:
+                        place, field = reader.config.place("EDDIInputs", index), output.value
+                        names = {"input": entry.id, "topic": topic, "monitor": publisher.name}
+                        yield problem("D001.alone", place, field=field, **names)
 
 
 def check_types(deployment: Deployment) -> Iterator[Problem]:
     """Report topics that monitors read, or read and publish, with different types (D005)."""
     first: dict[str, tuple[str, str]] = {}
     several = set()
-    for topic, publishers in deployment.publishers.items():
-        first[topic] = publishers[0].publication.type, publishers[0].member.name
-        if len({publisher.publication.type for publisher in publishers}) > 1:
+    for topic, publishers in publishers_of(deployment.members).items():
+        first[topic] = publishers[0][1].type, publishers[0][0].name
+        if len({output.type for _, output in publishers}) > 1:
             several.add(topic)  # reported as D005
     for member in deployment.members:
         for index, source in enumerate(member.config.config.SimulatorOutputs):
@@ -134,12 +103,8 @@ def check_spellings(deployment: Deployment) -> Iterator[Problem]:
 
 def shared_by_robots(members: Sequence[WiredMonitor]) -> str | None:
     """Report which topics of monitors two robots on one master would share; ``None`` for none."""
-    topics = {
-        publication.output.topic
-        for member in members
-        for publication in member.publications
-        if publication.output.topic.startswith("/")
-    }
+    outputs = [output.topic for member in members for output in member.outputs]
+    topics = {topic for topic in outputs if topic.startswith("/")}
     shared = f"two robots on one master would share {', '.join(sorted(topics))}"
     return f"{shared}: topics without `/` at the start are apart" if topics else None
 
@@ -154,6 +119,6 @@ def absent_publishers(deployment: Deployment) -> Iterator[Problem]:
         for index, source in enumerate(config.config.SimulatorOutputs):
             if source.id not in required or kind_of_message(source.type) is None or source.peers:
                 continue
-            if not (deployment.publisher(member, source) or deployment.other(member, source)):
+            if deployment.publisher(member, source) is None:
                 place = config.place("SimulatorOutputs", index, "topic")
                 yield problem("D006", place, topic=member.topic(source.topic), files=where)

@@ -60,7 +60,7 @@ def check_wiring(
     rings = list(check_rings(together.participants))
     return [
         *check_meanings(together),
-        *check_alone(together.participants),
+        *check_alone(together),
         *check_topics(together),
         *check_types(together),
         *check_spellings(together),

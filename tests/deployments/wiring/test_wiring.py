@@ -59,7 +59,7 @@ def test_a_relative_topic_stays_with_its_robot(tmp_path: Path) -> None:
     (source,) = user.config.config.SimulatorOutputs
     found = together.publisher(user, source)
     assert found is not None
-    assert found.member is base[1]
+    assert found[0] is base[1]
 
 
 def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
