@@ -25,9 +25,8 @@ from eddi_scaffold.deployments.joining import packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.offers import RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, with_demand_inputs
-from eddi_scaffold.deployments.support import WiredMonitor, wired
-from eddi_scaffold.deployments.topics import Deployment, absent_publishers
-from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
+from eddi_scaffold.deployments.support import Deployment, WiredMonitor, wired
+from eddi_scaffold.deployments.wiring import absent_publishers, check_hidden, check_wiring
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.kinds import ReadResult

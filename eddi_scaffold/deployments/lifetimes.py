@@ -16,12 +16,12 @@ from typing import Literal
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.deployments.support import (
+    Deployment,
     WiredMonitor,
     publishers_of,
     supports,
     supports_of_inputs,
 )
-from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.kinds import JsonValue
 
 

@@ -19,8 +19,7 @@ from eddi_scaffold.config.field_paths import (
     pattern,
 )
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.support import WiredMonitor
-from eddi_scaffold.deployments.topics import Deployment
+from eddi_scaffold.deployments.support import Deployment, WiredMonitor
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, head_of, path_behind
 from eddi_scaffold.monitors.input_binding import InputBinding

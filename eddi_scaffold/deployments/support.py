@@ -22,6 +22,7 @@ from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.file import from_data as config_of
+from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.compiling import MonitorFacts, from_json
@@ -119,6 +120,31 @@ def publishers_of(participants: Sequence[WiredMonitor]) -> Publishers:
         for output in participant.outputs:
             publishers.setdefault(participant.topic(output.topic), []).append((participant, output))
     return publishers
+
+
+@dataclass(frozen=True)
+class Deployment:
+    """Monitors that run together."""
+
+    members: Sequence[WiredMonitor]  # those that are at hand
+    others: Sequence[WiredMonitor] = ()  # those that run with them
+
+    @cached_property
+    def publishers(self) -> Publishers:
+        """Full name of a topic -> who publishes it, members first."""
+        return publishers_of(self.participants)
+
+    @property
+    def participants(self) -> Sequence[WiredMonitor]:
+        """All monitors, as far as a package remembers them."""
+        return [*self.members, *self.others]
+
+    def publisher(
+        self, member: WiredMonitor, source: SimulatorOutput
+    ) -> tuple[WiredMonitor, Output] | None:
+        """Return who publishes what a member listens to, ``None`` when nobody does."""
+        publishers = self.publishers.get(member.topic(source.topic), ())
+        return next((of for of in publishers if of[1].type in ("", source.type)), None)
 
 
 def wired(monitor: BoundMonitor, namespace: str = "") -> WiredMonitor:

@@ -8,8 +8,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.common.problems import EddiError, Problem
-from eddi_scaffold.deployments.support import WiredMonitor, facts_of_package, wired
-from eddi_scaffold.deployments.topics import Deployment
+from eddi_scaffold.deployments.support import Deployment, WiredMonitor, facts_of_package, wired
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import chosen
