@@ -33,7 +33,6 @@ from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.monitors.robots import fleet_message
-from eddi_scaffold.platforms import Platform
 
 
 def read_directly(fleet: Fleet, monitor: RobotMonitor) -> ConfigFile:
@@ -138,29 +137,18 @@ def _check_names(fleet: Fleet) -> Iterator[Problem]:
 
 
 @dataclass(frozen=True, eq=False)
-class Site:
-    """The workspace or folder of one robot."""
+class Site(FleetRobot):
+    """A robot with the monitors that it has among others, and the workspace or folder for them."""
 
-    robot: FleetRobot  # its name is that of the folder
-    monitors: tuple[BoundMonitor, ...]  # with the configurations that they have on it
-
-    @property
-    def name(self) -> str:
-        """Name of the robot, and of the folder."""
-        return self.robot.name
-
-    @property
-    def platform(self) -> Platform:
-        """Where the monitors run."""
-        return self.robot.platform
+    monitors: tuple[BoundMonitor, ...]
 
     def next_steps(self, place: Path) -> Sequence[str]:
         """Return shell commands that build the workspace and start the monitors."""
         packages = [monitor.package for monitor in self.monitors]
-        meeting, robot = self.platform.meeting, self.robot
-        if meeting is None or robot.graph is None:
+        meeting = self.platform.meeting
+        if meeting is None or self.graph is None:
             return self.platform.next_steps(place, packages)
-        return meeting.next_steps(robot.graph, place, robot.form.prefix, packages)
+        return meeting.next_steps(self.graph, place, self.form.prefix, packages)
 
 
 def sites_of(
@@ -187,7 +175,7 @@ def sites_of(
         )
         if has_errors(reported):
             raise EddiError(*reported)
-        sites.append(Site(robot, tuple(monitors)))
+        sites.append(Site(**vars(robot), monitors=tuple(monitors)))
     return sites, problems
 
 

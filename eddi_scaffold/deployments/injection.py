@@ -268,8 +268,11 @@ class Injector:
         monitors = [replace(of, offset=offsets.get(of.name, 0)) for of in played(self._members)]
         if trial.is_reversed:
             monitors.reverse()
-        recording = trial.injection.into(self._recording)
-        for monitor, step in play(monitors, recording, trial.injection.silent()):
+        injection = trial.injection
+        silent = dict.fromkeys(
+            injection.topics if injection.fault.name == "drop" else (), injection.since
+        )
+        for monitor, step in play(monitors, injection.into(self._recording), silent):
             if monitor.name == trial.target.monitor:
                 running, claim = monitor.running, trial.target.output
                 # of a hazard, it is known to be absent

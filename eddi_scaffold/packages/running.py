@@ -84,7 +84,7 @@ class Packages:
             member
             for site in sites
             if name in (None, site.name)
-            for member in self.with_monitors(site.monitors, site.name, site.robot.form.prefix)
+            for member in self.with_monitors(site.monitors, site.name, site.form.prefix)
         ], problems
 
     def _loaded(self, folder: Path) -> Member:

@@ -56,18 +56,11 @@ class Source(Protocol):
         """End it."""
 
 
-class KnownMessage(NamedTuple):
-    """How messages of one type are understood."""
-
-    title: str  # of the kind of monitor
-    listen: Listen
-
-
 @cache
-def status_messages() -> Mapping[str, KnownMessage]:
-    """Return type of message -> how it is understood, for every kind."""
+def status_messages() -> Mapping[str, tuple[str, Listen]]:
+    """Return type of message -> title of its kind of monitor, and how it is understood."""
     return {
-        f"{MESSAGE_PACKAGE}/{name}": KnownMessage(kind.title, listen)
+        f"{MESSAGE_PACKAGE}/{name}": (kind.title, listen)
         for kind in kinds().values()
         for name, listen in kind.verdicts.items()
     }

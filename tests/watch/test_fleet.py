@@ -143,7 +143,7 @@ def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
 
     for verdict, reasons in ((FALSE, events._REASONS[:1]), (TRUE, ())):
         event = SimpleNamespace(id="e", verdict=verdict, active=verdict == TRUE, accepted=[])
-        ((said,), *_) = vars(status_messages()["eddi_messages/EventOutput"].listen(event)).values()
+        ((said,), *_) = vars(status_messages()["eddi_messages/EventOutput"][1](event)).values()
         assert said.reasons == reasons
 
 
