@@ -120,9 +120,6 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
 
 def _check_names(fleet: Fleet) -> Iterator[Problem]:
     """Report monitors of one robot whose statements nobody could tell apart (D010)."""
-    providers = {
-        fulfilment.provider for binding in fleet.bindings for fulfilment in binding.fulfilments
-    }
     first: dict[tuple[str, str], RobotMonitor] = {}
     for monitor in fleet.monitors:
         robot, model = monitor.robot, monitor.bound.model.name
@@ -130,10 +127,9 @@ def _check_names(fleet: Fleet) -> Iterator[Problem]:
             continue
         before = first.setdefault((robot.name, model), monitor)
         if before is not monitor:
-            is_relied_on = providers & {before, monitor}
-            case = "D010.same_model" if is_relied_on else "D010.same_model_unheard"
             place = fleet.file.place("Robots", robot.number, "monitors", monitor.index)
-            yield problem(case, place, first=before.name, second=monitor.name, model=model)
+            names = {"first": before.name, "second": monitor.name, "model": model}
+            yield problem("D010.same_model", place, **names)
 
 
 @dataclass(frozen=True, eq=False)

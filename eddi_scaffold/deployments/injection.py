@@ -34,10 +34,6 @@ _ROUNDING = 1000  # nanoseconds
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
 
-class BoundExceededError(RuntimeError):
-    """A bound of ours is wrong."""
-
-
 @dataclass(frozen=True)
 class Row:
     """One guarantee and one fault of one topic."""
@@ -134,7 +130,7 @@ class Injector:
         """Yield the rows of all ``Reactions``, of these faults.
 
         Raises:
-            BoundExceededError: a bound is wrong.
+            RuntimeError: a bound is wrong.
             EddiError: a guarantee does not rest on a topic (K003).
         """
         for name, monitor in zip(self._names, self._wired, strict=True):
@@ -219,7 +215,7 @@ class Injector:
             if loss > bound_s * SECOND + _ROUNDING:
                 if self._holds_without(trial):
                     continue
-                raise BoundExceededError(
+                raise RuntimeError(
                     f"{target.claim} outlives {fault.text} of {topic} at {at / SECOND:g} s by "
                     f"{loss / SECOND:g} s, its bound is {bound_s:g} s; phase {phase} of {offsets}"
                 )

@@ -88,6 +88,7 @@ def _times(
 ) -> Times:
     """Return the times of one claim from those of the claims that it rests on, by input."""
     claim = monitor.claims[output]
+    inputs = {input_.id: input_ for input_ in monitor.facts.inputs}
     step_s = 1 / monitor.frequency + claim.hold_s  # a step may fall just before the limit
     times: Times = {}
 
@@ -96,7 +97,9 @@ def _times(
         times[topic] = max(first, alive_s), max(second, dying_s)
 
     for name, claims in below.items():
-        limit_s, held_s = limit_of(monitor, name), claim.held_s(name)
+        limits = inputs[name].timeout_s, inputs[name].max_age
+        limit_s = min((of for of in limits if isinstance(of, int | float)), default=math.inf)
+        held_s = claim.held_s(name)
         first_s = limit_s + held_s if effect == "silence" else held_s
         if effect == "value" and monitor.bound is not None:
             first_s = monitor.bound.lag(output, name)
@@ -106,13 +109,6 @@ def _times(
         for topic, (alive_s, dying_s) in (item for of in claims for item in of.items()):
             keep_longest(topic, alive_s + held_s + step_s, dying_s + limit_s + held_s + step_s)
     return times
-
-
-def limit_of(monitor: WiredMonitor, name: str) -> float:
-    """Return the seconds after which an input is unknown: the smallest limit that it has."""
-    input_ = next(input_ for input_ in monitor.facts.inputs if input_.id == name)
-    limits = (input_.timeout_s, input_.max_age)
-    return min((limit for limit in limits if isinstance(limit, int | float)), default=math.inf)
 
 
 _PERIODS = 2  # of a publisher that a limit must allow

@@ -282,7 +282,7 @@ class FleetState:
             for name, monitors in sorted(robots.items())
         )
         last = tuple(reversed(self._changes))
-        return Snapshot(now, tuple(views), last, self._changed, tuple(self._notes))
+        return Snapshot(now, tuple(views), last, self._changed, self.notes)
 
     def _take_why(self, message: Message) -> list[Change]:
         """Take why claims are as they are; what is told of one anew goes to who follows changes."""

