@@ -100,13 +100,7 @@ class _Trial(NamedTuple):
 
 
 class Injector:
-    """Plays a recording with faults.
-
-    Args:
-        members: with configurations.
-        recording: of their topics.
-        phases: how often each fault is played.
-    """
+    """Plays a recording of the topics of configured members, in some phases for each fault."""
 
     def __init__(self, members: Sequence[Member], recording: Recording, phases: int) -> None:
         self._members, self._recording, self._phases = members, recording, phases

@@ -43,10 +43,9 @@ class Source(Protocol):
     """Where messages come from."""
 
     def receive(self, seconds: float) -> tuple[float, Sequence[Message]] | None:
-        """Wait for messages, and return the time and what came; ``None``: there is no more.
+        """Wait for messages for some seconds at most, and return the time and what came.
 
-        Args:
-            seconds: to wait at most when there are none.
+        ``None``: there is no more.
         """
 
     def notes(self) -> Sequence[str]:
