@@ -65,8 +65,7 @@ def generate(
         return
 
     from eddi_scaffold.connect.robot import robot_models
-    from eddi_scaffold.deployments.topics import shared_by_robots
-    from eddi_scaffold.deployments.wiring import members_of
+    from eddi_scaffold.deployments.wiring import members_of, shared_by_robots
     from eddi_scaffold.packages.assembly import assemble, monitors_of
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten

@@ -37,8 +37,7 @@ def report(
     """
     from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.packages.upgrading import groups
-    from eddi_scaffold.report.argument import gsn, sacm
-    from eddi_scaffold.report.formats import junit, needs_conf, needs_json, reqif
+    from eddi_scaffold.report.formats import gsn, junit, needs_conf, needs_json, reqif, sacm
     from eddi_scaffold.report.gathering import gathered
     from eddi_scaffold.report.page import page
 

@@ -72,7 +72,7 @@ def opened(
     bag: Path | None, master: str | None, domains: list[int] | None, speed: float | None
 ) -> tuple[Source, Clock]:
     """Return the source that is asked for, and what writes its times."""
-    from eddi_scaffold.watch.following import seconds, time_of_day
+    from eddi_scaffold.watch.following import time_of_day
     from eddi_scaffold.watch.recording import Recording
     from eddi_scaffold.watch.ros1 import Ros1Graph
 
@@ -81,7 +81,7 @@ def opened(
     if len(names) > 1:
         raise EddiError(problem("G000.exclude", options=" and ".join(names)))
     if bag is not None:
-        return Recording(bag, speed), seconds
+        return Recording(bag, speed), "{:10.3f}".format
     uri, number = os.environ.get("ROS_MASTER_URI"), os.environ.get("ROS_DOMAIN_ID", "")
     if not names and not uri and number.isdecimal():
         domains = [int(number)]
@@ -107,5 +107,4 @@ def _serve(source: Source, state: FleetState, clock: Clock, port: int) -> None:
             follow(source, state, lambda now, notes: feed.show(View(now, clock, notes)))
             threading.Event().wait()
         finally:
-            feed.close()
             server.shutdown()

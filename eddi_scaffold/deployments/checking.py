@@ -20,8 +20,8 @@ from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.deployments.fleet_checks import check_fleet
 from eddi_scaffold.deployments.hazards import HazardTrace
 from eddi_scaffold.deployments.joining import join, join_pairs, packages_of
-from eddi_scaffold.deployments.topics import Deployment, absent_publishers
-from eddi_scaffold.deployments.wiring import members_of
+from eddi_scaffold.deployments.support import Deployment
+from eddi_scaffold.deployments.wiring import absent_publishers, members_of
 from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.hazard_analysis import HazardAnalysis
 from eddi_scaffold.kinds import Model, ReadResult

@@ -32,7 +32,7 @@ from eddi_scaffold.deployments.robots import (
     read_robots,
     with_demand_inputs,
 )
-from eddi_scaffold.deployments.support import wired
+from eddi_scaffold.deployments.support import publishers_of, wired
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
@@ -51,10 +51,6 @@ class Fleet:
     monitors: tuple[RobotMonitor, ...]  # the monitors of all robots, as they are without the others
     bindings: tuple[DemandBinding, ...]  # the demands that other robots fulfil
 
-    def monitors_of(self, robot: FleetRobot) -> list[RobotMonitor]:
-        """Return the monitors of one robot."""
-        return [monitor for monitor in self.monitors if monitor.robot is robot]
-
     def bindings_of(self, monitor: RobotMonitor) -> list[DemandBinding]:
         """Return the demands of a monitor that other robots fulfil."""
         return [binding for binding in self.bindings if binding.user is monitor]
@@ -66,7 +62,8 @@ class Fleet:
         # the model as it was read, without the options of the configuration
         pairs = [
             (robot.pairs[monitor.index][0], config_of(monitor))
-            for monitor in self.monitors_of(robot)
+            for monitor in self.monitors
+            if monitor.robot is robot
         ]
         return join_pairs(pairs)
 
@@ -245,7 +242,7 @@ def _pair(name: str, offered: Mapping[str, Fulfilment]) -> Pair:
             for id_, of in offered.items()
         },
     }
-    frequency = max(fulfilment.provider.frequency for fulfilment in offered.values())
+    frequency = max(of.provider.config.config.Model.frequency for of in offered.values())
     config = {
         "Model": {"id": name, "type": "ConSert", "frequency": frequency},
         "EDDIOutputs": [{"id": "station", "topic": "guarantees"}],
@@ -269,7 +266,7 @@ def is_closed(fleet: Fleet) -> bool:
     monitors = {
         monitor: wired(monitor.bound, monitor.robot.form.prefix) for monitor in fleet.monitors
     }
-    published = {topic for monitor in monitors.values() for topic, _ in monitor.published}
+    published = publishers_of([*monitors.values()])
     bound_demands = {(binding.user, binding.demand) for binding in fleet.bindings}
 
     def rests_on_others(fulfilment: Fulfilment) -> bool:

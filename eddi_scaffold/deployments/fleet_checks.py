@@ -25,16 +25,14 @@ from eddi_scaffold.deployments.joining import packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.offers import RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, with_demand_inputs
-from eddi_scaffold.deployments.support import WiredMonitor, wired
-from eddi_scaffold.deployments.topics import Deployment, absent_publishers
-from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
+from eddi_scaffold.deployments.support import Deployment, WiredMonitor, wired
+from eddi_scaffold.deployments.wiring import absent_publishers, check_hidden, check_wiring
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.monitors.robots import fleet_message
-from eddi_scaffold.platforms import Platform
 
 
 def read_directly(fleet: Fleet, monitor: RobotMonitor) -> ConfigFile:
@@ -122,9 +120,6 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
 
 def _check_names(fleet: Fleet) -> Iterator[Problem]:
     """Report monitors of one robot whose statements nobody could tell apart (D010)."""
-    providers = {
-        fulfilment.provider for binding in fleet.bindings for fulfilment in binding.fulfilments
-    }
     first: dict[tuple[str, str], RobotMonitor] = {}
     for monitor in fleet.monitors:
         robot, model = monitor.robot, monitor.bound.model.name
@@ -132,36 +127,24 @@ def _check_names(fleet: Fleet) -> Iterator[Problem]:
             continue
         before = first.setdefault((robot.name, model), monitor)
         if before is not monitor:
-            is_relied_on = providers & {before, monitor}
-            case = "D010.same_model" if is_relied_on else "D010.same_model_unheard"
             place = fleet.file.place("Robots", robot.number, "monitors", monitor.index)
-            yield problem(case, place, first=before.name, second=monitor.name, model=model)
+            names = {"first": before.name, "second": monitor.name, "model": model}
+            yield problem("D010.same_model", place, **names)
 
 
 @dataclass(frozen=True, eq=False)
-class Site:
-    """The workspace or folder of one robot."""
+class Site(FleetRobot):
+    """A robot with the monitors that it has among others, and the workspace or folder for them."""
 
-    robot: FleetRobot  # its name is that of the folder
-    monitors: tuple[BoundMonitor, ...]  # with the configurations that they have on it
-
-    @property
-    def name(self) -> str:
-        """Name of the robot, and of the folder."""
-        return self.robot.name
-
-    @property
-    def platform(self) -> Platform:
-        """Where the monitors run."""
-        return self.robot.platform
+    monitors: tuple[BoundMonitor, ...]
 
     def next_steps(self, place: Path) -> Sequence[str]:
         """Return shell commands that build the workspace and start the monitors."""
         packages = [monitor.package for monitor in self.monitors]
-        meeting, robot = self.platform.meeting, self.robot
-        if meeting is None or robot.graph is None:
+        meeting = self.platform.meeting
+        if meeting is None or self.graph is None:
             return self.platform.next_steps(place, packages)
-        return meeting.next_steps(robot.graph, place, robot.form.prefix, packages)
+        return meeting.next_steps(self.graph, place, self.form.prefix, packages)
 
 
 def sites_of(
@@ -188,7 +171,7 @@ def sites_of(
         )
         if has_errors(reported):
             raise EddiError(*reported)
-        sites.append(Site(robot, tuple(monitors)))
+        sites.append(Site(**vars(robot), monitors=tuple(monitors)))
     return sites, problems
 
 

@@ -18,6 +18,7 @@ from eddi_scaffold.deployments.support import (
     WiredMonitor,
     acceptances,
     claims_read,
+    publishers_of,
     supports,
 )
 from eddi_scaffold.eddi_xml.hazard_analysis import HazardAnalysis, Item
@@ -214,7 +215,7 @@ class HazardTrace:
                     for name in (f"{monitor}/{of.id}", f"{facts.id}/{of.id}"):
                         self.guarantees.setdefault(name, Guarantee(name, *about))
         self._below = supports(self.monitors)
-        published = {topic for monitor in self.monitors for topic, _ in monitor.published}
+        published = publishers_of(self.monitors)
         support: dict[str, ClaimSupport] = {}
         for wire, read in claims_read(self.monitors):
             known = self.verified.get(wire.package, Verification())

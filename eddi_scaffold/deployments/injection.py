@@ -34,10 +34,6 @@ _ROUNDING = 1000  # nanoseconds
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
 
-class BoundExceededError(RuntimeError):
-    """A bound of ours is wrong."""
-
-
 @dataclass(frozen=True)
 class Row:
     """One guarantee and one fault of one topic."""
@@ -104,13 +100,7 @@ class _Trial(NamedTuple):
 
 
 class Injector:
-    """Plays a recording with faults.
-
-    Args:
-        members: with configurations.
-        recording: of their topics.
-        phases: how often each fault is played.
-    """
+    """Plays a recording of the topics of configured members, in some phases for each fault."""
 
     def __init__(self, members: Sequence[Member], recording: Recording, phases: int) -> None:
         self._members, self._recording, self._phases = members, recording, phases
@@ -134,7 +124,7 @@ class Injector:
         """Yield the rows of all ``Reactions``, of these faults.
 
         Raises:
-            BoundExceededError: a bound is wrong.
+            RuntimeError: a bound is wrong.
             EddiError: a guarantee does not rest on a topic (K003).
         """
         for name, monitor in zip(self._names, self._wired, strict=True):
@@ -219,7 +209,7 @@ class Injector:
             if loss > bound_s * SECOND + _ROUNDING:
                 if self._holds_without(trial):
                     continue
-                raise BoundExceededError(
+                raise RuntimeError(
                     f"{target.claim} outlives {fault.text} of {topic} at {at / SECOND:g} s by "
                     f"{loss / SECOND:g} s, its bound is {bound_s:g} s; phase {phase} of {offsets}"
                 )
@@ -268,8 +258,11 @@ class Injector:
         monitors = [replace(of, offset=offsets.get(of.name, 0)) for of in played(self._members)]
         if trial.is_reversed:
             monitors.reverse()
-        recording = trial.injection.into(self._recording)
-        for monitor, step in play(monitors, recording, trial.injection.silent()):
+        injection = trial.injection
+        silent = dict.fromkeys(
+            injection.topics if injection.fault.name == "drop" else (), injection.since
+        )
+        for monitor, step in play(monitors, injection.into(self._recording), silent):
             if monitor.name == trial.target.monitor:
                 running, claim = monitor.running, trial.target.output
                 # of a hazard, it is known to be absent

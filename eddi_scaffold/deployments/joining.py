@@ -13,8 +13,7 @@ from eddi_scaffold.common.identifiers import is_package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.lifetimes import check_ages
-from eddi_scaffold.deployments.support import Accepted, acceptances
-from eddi_scaffold.deployments.topics import Deployment
+from eddi_scaffold.deployments.support import Accepted, Deployment, acceptances
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of

@@ -15,8 +15,13 @@ from typing import Literal
 
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.deployments.support import WiredMonitor, supports, supports_of_inputs
-from eddi_scaffold.deployments.topics import Deployment
+from eddi_scaffold.deployments.support import (
+    Deployment,
+    WiredMonitor,
+    publishers_of,
+    supports,
+    supports_of_inputs,
+)
 from eddi_scaffold.kinds import JsonValue
 
 
@@ -55,7 +60,7 @@ Times = dict[str, tuple[float, float]]
 
 def bounds(participants: Sequence[WiredMonitor]) -> list[ClaimLifetime]:
     """Return the bounds of all claims, in the order of the participants; claims have no ring."""
-    published = {topic for participant in participants for topic, _ in participant.published}
+    published = publishers_of(participants)
     return [
         ClaimLifetime(claim, source, *times)
         for claim, of in times_of_claims(participants, "silence").items()
@@ -83,6 +88,7 @@ def _times(
 ) -> Times:
     """Return the times of one claim from those of the claims that it rests on, by input."""
     claim = monitor.claims[output]
+    inputs = {input_.id: input_ for input_ in monitor.facts.inputs}
     step_s = 1 / monitor.frequency + claim.hold_s  # a step may fall just before the limit
     times: Times = {}
 
@@ -91,7 +97,9 @@ def _times(
         times[topic] = max(first, alive_s), max(second, dying_s)
 
     for name, claims in below.items():
-        limit_s, held_s = limit_of(monitor, name), claim.held_s(name)
+        limits = inputs[name].timeout_s, inputs[name].max_age
+        limit_s = min((of for of in limits if isinstance(of, int | float)), default=math.inf)
+        held_s = claim.held_s(name)
         first_s = limit_s + held_s if effect == "silence" else held_s
         if effect == "value" and monitor.bound is not None:
             first_s = monitor.bound.lag(output, name)
@@ -103,13 +111,6 @@ def _times(
     return times
 
 
-def limit_of(monitor: WiredMonitor, name: str) -> float:
-    """Return the seconds after which an input is unknown: the smallest limit that it has."""
-    input_ = next(input_ for input_ in monitor.facts.inputs if input_.id == name)
-    limits = (input_.timeout_s, input_.max_age)
-    return min((limit for limit in limits if isinstance(limit, int | float)), default=math.inf)
-
-
 _PERIODS = 2  # of a publisher that a limit must allow
 
 
@@ -118,10 +119,6 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
 
     Nobody has decided on a limit that is not written: where it does not fit, that is an error.
     """
-    publishers: dict[str, list[WiredMonitor]] = {}
-    for participant in together.participants:
-        for topic, _ in participant.published:
-            publishers.setdefault(topic, []).append(participant)
     there = set(map(id, together.others))  # what is between these was reported when they were made
     for reader in together.participants:
         required = {input_.id: input_.requires for input_ in reader.facts.inputs}
@@ -133,7 +130,7 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
                 is_default = entry.max_age is None and source.max_age is None
                 case = "K029.default_below_period" if is_default else "K029.below_period"
                 place = reader.config.place("EDDIInputs", index, "max_age")
-                for provider in publishers.get(reader.topic(source.topic), ()):
+                for provider, _ in together.publishers.get(reader.topic(source.topic), ()):
                     period, is_new = 1 / provider.frequency, not there >= {id(reader), id(provider)}
                     if is_new and limit < (least := _PERIODS * period):
                         names = {"input": entry.id, "source": provider.name}

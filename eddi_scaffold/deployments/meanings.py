@@ -19,8 +19,7 @@ from eddi_scaffold.config.field_paths import (
     pattern,
 )
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.support import WiredMonitor
-from eddi_scaffold.deployments.topics import Deployment
+from eddi_scaffold.deployments.support import Deployment, WiredMonitor
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, head_of, path_behind
 from eddi_scaffold.monitors.input_binding import InputBinding
@@ -160,15 +159,13 @@ def check_meanings(deployment: Deployment) -> Iterator[Problem]:
 def _unfulfilled(
     deployment: Deployment, member: WiredMonitor, reading: FieldReading
 ) -> Iterator[Problem]:
-    publisher = deployment.publisher(member, reading.source)
-    path = (publisher.publication.path or reading.path) if publisher is not None else ()
-    output = next((str(step.key) for step in path if isinstance(step, ByKey)), None)
-    if publisher is None or output is None:
+    publisher, output = deployment.publisher(member, reading.source) or (None, None)
+    path = (output.path or reading.path) if output is not None else ()
+    key = next((str(step.key) for step in path if isinstance(step, ByKey)), None)
+    provider, user = publisher.bound if publisher is not None else None, member.bound
+    if provider is None or user is None or key is None:
         return
-    provider, user = publisher.member.bound, member.bound
-    assert provider is not None
-    assert user is not None
-    reason = provider.model.why_not_fulfilled(output, user.model, reading.input)
+    reason = provider.model.why_not_fulfilled(key, user.model, reading.input)
     if reason is not None:
         yield problem("D004.unfulfilled", reading.place, input=reading.input, reason=reason)
 
@@ -235,12 +232,8 @@ def _message_field(
     kind, message = kind_of_message(source.type), source.type.partition("/")[2]
     if kind is None:
         return None
-    if (publisher := deployment.publisher(member, source)) is not None:
-        monitor = publisher.member
-        meanings = monitor.meanings(publisher.publication.output.event)
-        return _MessageField(monitor.name, message, path, meanings)
-    other = deployment.other(member, source)
-    if other is not None and other.of.kind is kind:
-        return _MessageField(other.of.name, message, path, other.of.meanings(other.part))
+    for monitor, output in filter(None, [deployment.publisher(member, source)]):
+        if monitor.kind is kind:
+            return _MessageField(monitor.name, message, path, monitor.meanings(output.part))
     topic = member.topic(source.topic).removesuffix(f"/{STATUS}")
     return _MessageField(topic, message, path, kind.model_class.meanings(None))

@@ -48,11 +48,6 @@ class RobotMonitor:
         return self.robot.name, self.index
 
     @property
-    def frequency(self) -> float:
-        """Steps per second."""
-        return self.config.config.Model.frequency
-
-    @property
     def demands(self) -> Sequence[str]:
         """Ids of its demands."""
         return [input_.model.id for input_ in self.bound.inputs if input_.model.is_demand]

@@ -11,7 +11,7 @@ a workspace has already.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -22,11 +22,12 @@ from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.file import from_data as config_of
+from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.compiling import MonitorFacts, from_json
 from eddi_scaffold.monitors.expressions import head_of, path_behind
-from eddi_scaffold.monitors.publications import Publication, publications
+from eddi_scaffold.monitors.publications import publications
 
 
 @dataclass(frozen=True)
@@ -40,10 +41,8 @@ class WiredMonitor:
     config: ConfigFile  # its configuration, given or remembered
     facts: MonitorFacts  # what its package remembers of it
     model_file: str = ""  # of its model, for places
-    # topic with one value of its message -> that field, for people
-    alone: Mapping[str, str] = field(default_factory=dict)
+    outputs: Sequence[Output] = ()  # what its node publishes
     bound: BoundMonitor | None = None  # where its model is at hand
-    publications: Sequence[Publication] = ()  # what its node publishes, likewise
 
     @property
     def frequency(self) -> float:
@@ -67,16 +66,11 @@ class WiredMonitor:
         """Return the full name of a topic of this monitor's node."""
         return full_topic(name, self.namespace, self.package)
 
-    @cached_property
-    def published(self) -> Sequence[tuple[str, PublishedTopic]]:
-        """The full names of the topics that it publishes, with what is on them."""
-        topics = []
-        for output in self.config.config.EDDIOutputs:
-            path = parse_field(output.field) if output.field is not None else ()
-            item = PublishedTopic(self, output.event, path)
-            names = (f"{output.topic}{name}" for name in ("", "/status", "/evidence"))
-            topics += [(self.topic(name), item) for name in names]
-        return topics
+    def claims_of(self, output: Output, path: FieldPath) -> Sequence[str]:
+        """Return the claims that a field of an output carries: the named one, else all."""
+        keys = [str(step.key) for step in (output.path or path) if isinstance(step, ByKey)]
+        part = next(iter(keys), output.part)
+        return [self.claim(str(name)) for name in ([part] if part in self.claims else self.claims)]
 
     @cached_property
     def topics_read(self) -> Mapping[str, Sequence[tuple[str, FieldPath]]]:
@@ -103,37 +97,71 @@ class WiredMonitor:
 
 
 @dataclass(frozen=True)
-class PublishedTopic:
-    """What a participant publishes on one topic: a part of its result, one value, or all."""
+class Output:
+    """One topic that a monitor publishes."""
 
-    of: WiredMonitor
-    part: str | None
-    path: FieldPath
+    topic: str  # as it is configured
+    place: Place
+    part: str | None = None  # the only claim of which its messages are
+    is_result: bool = True  # it has the result, or a value of its own, and no companion message
+    value: str = ""  # the one value that goes there, for people; empty for whole messages
+    path: FieldPath = ()  # to that value, where it is known
+    type: str = ""  # of its messages, empty where the model is not at hand
 
-    def claims(self, path: FieldPath) -> Sequence[str]:
-        """Return the claims that a field carries: the named one, else all of the monitor."""
-        keys = [str(step.key) for step in (self.path or path) if isinstance(step, ByKey)]
-        part = next(iter(keys), self.part)
-        names = [part] if part in self.of.claims else list(self.of.claims)
-        return [self.of.claim(str(name)) for name in names]
+
+Publishers = Mapping[str, Sequence[tuple[WiredMonitor, Output]]]
+"""Full name of a topic -> who publishes it."""
+
+
+def publishers_of(participants: Sequence[WiredMonitor]) -> Publishers:
+    """Return who publishes what, in the order of the participants."""
+    publishers: dict[str, list[tuple[WiredMonitor, Output]]] = {}
+    for participant in participants:
+        for output in participant.outputs:
+            publishers.setdefault(participant.topic(output.topic), []).append((participant, output))
+    return publishers
+
+
+@dataclass(frozen=True)
+class Deployment:
+    """Monitors that run together."""
+
+    members: Sequence[WiredMonitor]  # those that are at hand
+    others: Sequence[WiredMonitor] = ()  # those that run with them
+
+    @cached_property
+    def publishers(self) -> Publishers:
+        """Full name of a topic -> who publishes it, members first."""
+        return publishers_of(self.participants)
+
+    @property
+    def participants(self) -> Sequence[WiredMonitor]:
+        """All monitors, as far as a package remembers them."""
+        return [*self.members, *self.others]
+
+    def publisher(
+        self, member: WiredMonitor, source: SimulatorOutput
+    ) -> tuple[WiredMonitor, Output] | None:
+        """Return who publishes what a member listens to, ``None`` when nobody does."""
+        publishers = self.publishers.get(member.topic(source.topic), ())
+        return next((of for of in publishers if of[1].type in ("", source.type)), None)
 
 
 def wired(monitor: BoundMonitor, namespace: str = "") -> WiredMonitor:
     """Return a monitor that has a configuration, as one of a robot with a namespace."""
     config = monitor.config
     assert config is not None
-    own = publications(monitor, config)[0]
-    alone = {
+    outputs = []
+    for of in publications(monitor, config)[0]:
         # the topic of a threshold has no field of its own in the configuration
-        entry.output.topic: f"`{entry.output.field or f'evidence[{entry.output.id}].active'}`"
-        f" of {entry.message}"
-        for entry in own
-        if entry.path
-    }
+        field = of.output.field or f"evidence[{of.output.id}].active"
+        value = f"`{field}` of {of.message}" if of.path else ""
+        about = of.output.event, bool(of.path) or not of.of, value, of.path, of.type
+        outputs.append(Output(of.output.topic, of.place, *about))
     id_, file = config.config.Model.id, monitor.model.source.name
     name = f"{namespace}/{id_}" if namespace else id_
     names = name, monitor.package, namespace
-    return WiredMonitor(*names, monitor.kind, config, monitor.facts, file, alone, monitor, own)
+    return WiredMonitor(*names, monitor.kind, config, monitor.facts, file, outputs, monitor)
 
 
 def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor | None:
@@ -144,13 +172,20 @@ def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor |
         config = config_of(answers["config"], package)
         facts = from_json(answers["facts"])
         kind, file = kinds()[answers["kind"]], str(answers["model_file"])
-        alone = {
-            output["topic_text"]: "the same field"
+        place = config.place("EDDIOutputs")
+        outputs = [
+            Output(f"{output.topic}{end}", place, output.event, not end)
+            for output in config.config.EDDIOutputs
+            if output.field is None
+            for end in ("", "/status", "/evidence")
+        ]
+        outputs += [
+            Output(output["topic_text"], place, value="the same field")
             for output in answers.get("publications") or ()
             if "topic_text" in output and output["type_text"].startswith("std_msgs/")
-        }
+        ]
         name = config.config.Model.id
-        monitor = WiredMonitor(name, package, "", kind, config, facts, file, alone)
+        monitor = WiredMonitor(name, package, "", kind, config, facts, file, outputs)
         supports([monitor])  # what it reads can be followed
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
         return None
@@ -176,18 +211,15 @@ def claims_read(
     participants: Sequence[WiredMonitor],
 ) -> Iterator[tuple[WiredMonitor, Mapping[str, Sequence[str]]]]:
     """Yield each monitor with its inputs, and the claims of other monitors that each one reads."""
-    by_topic: dict[str, list[PublishedTopic]] = {}
-    for participant in participants:
-        for topic, item in participant.published:
-            by_topic.setdefault(topic, []).append(item)
+    publishers = publishers_of(participants)
     for participant in participants:
         below = {
             name: [
                 claim
                 for topic, path in reads
-                for item in by_topic.get(topic, ())
-                if item.of is not participant  # which is refused in any case (K031)
-                for claim in item.claims(path)
+                for publisher, output in publishers.get(topic, ())
+                if publisher is not participant  # which is refused in any case (K031)
+                for claim in publisher.claims_of(output, path)
             ]
             for name, reads in participant.topics_read.items()
         }

@@ -23,9 +23,8 @@ from eddi_scaffold.config.field_types import MessageFields
 from eddi_scaffold.config.file import ConfigFile, from_data
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
-from eddi_scaffold.deployments.support import WiredMonitor, facts_of_package
-from eddi_scaffold.deployments.topics import Deployment, absent_publishers
-from eddi_scaffold.deployments.wiring import check_wiring, members_of
+from eddi_scaffold.deployments.support import Deployment, WiredMonitor, facts_of_package
+from eddi_scaffold.deployments.wiring import absent_publishers, check_wiring, members_of
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.monitors.loading import checked_models, select_models

@@ -25,8 +25,8 @@ from eddi_scaffold.common.problems import (
     problem,
 )
 from eddi_scaffold.deployments.fleet_checks import sites_of
-from eddi_scaffold.deployments.support import check_rings, wired
-from eddi_scaffold.deployments.topics import Deployment, check_topics
+from eddi_scaffold.deployments.support import Deployment, check_rings, wired
+from eddi_scaffold.deployments.wiring import check_topics
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.handwritten import written
@@ -84,7 +84,7 @@ class Packages:
             member
             for site in sites
             if name in (None, site.name)
-            for member in self.with_monitors(site.monitors, site.name, site.robot.form.prefix)
+            for member in self.with_monitors(site.monitors, site.name, site.form.prefix)
         ], problems
 
     def _loaded(self, folder: Path) -> Member:

@@ -37,8 +37,6 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASC
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
 _CELL = re.compile(r'(?:\s*"((?:[^"]|"")*)"\s*|([^",]*))(,|$)')
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
-_OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
-_POINT = "numbers have a decimal point, commas separate cells"
 _EXPECTED: Mapping[str, str] = {
     "bool": "true, false, 1, 0, or nan for unknown",
     "float": "a number with a decimal point and no unit, or nan for unknown",
@@ -161,11 +159,6 @@ class _Reader:
         """Return the names of the columns; the first ``t`` is the time, also if an input is t."""
         cells = self.cells(number, line) or []
         names = tuple(cell.text for cell in cells)
-        mark = next((mark for mark in _OTHER_MARKS if mark in line), "")
-        if len(names) == 1 and mark:
-            col, actual = line.index(mark) + 1, _OTHER_MARKS[mark]
-            self._report("I001.separator", number, col, hint=_POINT, actual=actual)
-            return ()
         if TIME in names:
             time_cell = cells[names.index(TIME)]
         else:
@@ -193,9 +186,7 @@ class _Reader:
         if cells is None:
             return None
         if len(cells) != len(columns):
-            hint = _POINT if len(cells) > len(columns) else None
-            counts = {"actual": len(cells), "expected": len(columns)}
-            self._report("I001.cells", number, 1, hint=hint, **counts)
+            self._report("I001.cells", number, 1, actual=len(cells), expected=len(columns))
             return None
         time_at = columns.index(TIME)
         t = self._time(cells[time_at], number, last)

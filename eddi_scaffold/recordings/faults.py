@@ -77,10 +77,6 @@ class Injection:
     bad: Mapping[str, Any]
     onset: int  # time of the first message that comes late or twice
 
-    def silent(self) -> Mapping[str, int]:
-        """Return what nobody hears after a time."""
-        return dict.fromkeys(self.topics, self.since) if self.fault.name == "drop" else {}
-
     def into(self, recording: Recording) -> Recording:
         """Return a recording with the fault."""
         samples = [sample for sample in recording.samples if sample.topic not in self.topics]

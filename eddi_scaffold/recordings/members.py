@@ -150,10 +150,6 @@ def read_values(
     A column is called by an input, by an input of a member (``monitor.input``), or by a topic: its
     messages are made of the values. What another member publishes needs none.
 
-    Args:
-        file: the CSV file.
-        members: they are given its values.
-
     Returns:
         The members with their columns, the recording, and warnings.
 

@@ -1,7 +1,6 @@
 """A node without ROS: what is between its subscribers and the monitor, and what it publishes.
 
-What reaches it is ROS messages, or objects with their fields. What it publishes is checked field
-by field: a tree that does not fit its ``.msg`` file is refused, as a node would refuse it.
+What reaches it is ROS messages, or objects with their fields.
 """
 
 from __future__ import annotations
@@ -11,7 +10,6 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import redirect_stdout, suppress
 from dataclasses import dataclass
-from functools import cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -39,11 +37,6 @@ WORDS = Fleet("", "", None, 0.0).words().id
 _HELPERS: Mapping[str, Callable[..., Any]] = {
     called.__name__: called for called in (by_id, by_key, by_name, given, joined)
 }
-_RANGES = {
-    f"{sign}int{bits}": range(2**bits) if sign else range(-(2 ** (bits - 1)), 2 ** (bits - 1))
-    for sign in ("", "u")
-    for bits in (8, 16, 32, 64)
-}
 _HEADER = "std_msgs/Header"
 _PLAIN_DEFAULTS: Mapping[str, Any] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
 
@@ -60,46 +53,23 @@ def _default(type_: str) -> Any:
     return _PLAIN_DEFAULTS.get(type_, 0) if is_primitive(type_) else blank(type_)
 
 
-@cache
-def _fields(message_type: str) -> tuple[Mapping[str, str], Mapping[str, Message]]:
-    """Return the types of the fields that a monitor fills, and its headers, which are empty."""
-    types = known_messages()[message_type]
-    headers = {name: blank(_HEADER) for name, type_ in types.items() if type_ == _HEADER}
-    return {name: types[name] for name in types if name not in headers}, headers
-
-
 def message_of(tree: Tree) -> Message:
-    """Return a message of the product's own package.
-
-    Raises:
-        TypeError: a field is missing, surplus, or of a wrong type.
-    """
+    """Return a message of the product's own package, with an empty header."""
     name, fields = tree
-    message_type = f"eddi_messages/{name}"
-    types, headers = _fields(message_type)
-    if fields.keys() != types.keys():
-        raise TypeError(f"{message_type} has {sorted(types)}, not {sorted(fields)}")
-    content = {name: _checked(type_, fields[name]) for name, type_ in types.items()}
-    return Message(**content, **headers, message_type=message_type)
+    types = known_messages()[f"eddi_messages/{name}"].items()
+    content = {
+        field: blank(_HEADER) if type_ == _HEADER else _content(type_, fields[field])
+        for field, type_ in types
+    }
+    return Message(**content, message_type=f"eddi_messages/{name}")
 
 
-def _checked(type_: str, value: Any) -> Any:
-    """Return a value of a field as the message holds it."""
-    if type_ in ("bool", "string"):
-        fits = type(value) is (bool if type_ == "bool" else str)
-    elif type_ in _RANGES:
-        fits = type(value) is int and value in _RANGES[type_]
-    elif type_ in _PLAIN_DEFAULTS:
-        fits, value = type(value) in (int, float), float(value)
-    elif (inner := element(type_)) is not None:
-        fits = isinstance(value, list | tuple)
-        value = [_checked(inner, item) for item in value]
-    else:
-        fits = isinstance(value, tuple) and f"eddi_messages/{value[0]}" == type_
-        value = message_of(value)
-    if not fits:
-        raise TypeError(f"a field of type {type_} cannot be {value!r}")
-    return value
+def _content(type_: str, value: Any) -> Any:
+    if (inner := element(type_)) is not None:
+        return [_content(inner, item) for item in value]
+    if type_ in ("float32", "float64"):
+        return float(value)
+    return value if is_primitive(type_) else message_of(value)
 
 
 class Channel(NamedTuple):

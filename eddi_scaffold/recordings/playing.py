@@ -157,11 +157,8 @@ def _lines(member: Member, binding: InputBinding, eddi_input: Any) -> Process:
 class Steps:
     """The steps of one node: from the start to the first one that has seen the end.
 
-    Args:
-        rule: how it steps.
-        limits: source -> ages at which something that was made of it becomes too old.
-        start: of the recording.
-        end: of the recording; of a node that steps by period only, the step behind it is the last.
+    Of a node that steps by period only, that is the step behind the end. ``limits``: source -> ages
+    at which something that was made of it becomes too old.
     """
 
     def __init__(

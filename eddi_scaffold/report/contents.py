@@ -12,9 +12,7 @@ from eddi_scaffold.deployments.hazards import ClaimSupport, HazardRow
 from eddi_scaffold.deployments.injection import Row as Reaction
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.packages.verifying import Verified
-from eddi_scaffold.report.argument import Node
-from eddi_scaffold.report.formats import Case
-from eddi_scaffold.report.items import Item, Key, export_ids
+from eddi_scaffold.report.formats import Case, Item, Key, Node, export_ids
 
 _LEGEND = (
     LegendEntry("hazard, requirement", "box", "demand"),

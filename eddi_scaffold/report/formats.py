@@ -1,17 +1,64 @@
-"""A report as other tools import it: needs.json of sphinx-needs 9, ReqIF 1.2, JUnit XML."""
+"""A report as other tools import it.
+
+Hazards, guarantees and the like as items: needs.json of sphinx-needs 9, ReqIF 1.2. The argument
+that a guarantee is withdrawn in time: GSN, SACM. Tests: JUnit XML.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import datetime
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.escaping import one_line, python_literal
-from eddi_scaffold.report.items import KINDS, Item, export_ids
+from eddi_scaffold.yaml_text.writer import dump_plain
+
+Key = tuple[str, str, str]
+"""Kind, monitor (empty for what belongs to none), id in the model."""
+
+KINDS = (
+    *("hazard", "requirement", "measure", "guarantee", "gate", "evidence", "topic", "region"),
+    "testcase",
+)
+
+
+@dataclass(frozen=True)
+class Item:
+    """One element of the models, or what was shown about it."""
+
+    key: Key
+    text: str  # what a person wrote about it
+    state: str  # a state of a hazard, or a verdict
+    # relation -> what it is related to (``mitigates``, ``rests on``)
+    links: Mapping[str, Sequence[Key]] = field(default_factory=dict)
+    place: str = ""  # file and line, or the path in the EDDI
+    sha256: str = ""  # of the file in which it stands
+
+
+def export_ids(keys: Iterable[Key]) -> dict[Key, str]:
+    """Return the id of each item in other tools: of its key alone, so it never changes.
+
+    It matches ``[A-Z0-9_]{5,}``. Where two keys would have the same, each has six digits of its
+    own behind.
+    """
+    ids: dict[Key, str] = {}
+    for key in keys:
+        parts = (re.sub(r"[^A-Z0-9]+", "_", part.upper()).strip("_") for part in key if part)
+        ids[key] = "_".join(part or "X" for part in parts)
+    counts = Counter(ids.values())
+    for key, id_ in ids.items():
+        if counts[id_] > 1:
+            digest = hashlib.sha256("\0".join(key).encode()).hexdigest()
+            ids[key] = f"{id_}_{digest[:6].upper()}"
+    return ids
+
 
 _FIELDS = ("place", "sha256")
 _MARKUP = re.compile(r"[^\w\s]|_")  # with a backslash before it, Sphinx shows it as it is
@@ -132,6 +179,69 @@ def reqif(project: str, items: Sequence[Item], created: datetime) -> str:
 
 def _relation(name: str) -> str:
     return f"RT_{name.upper().replace(' ', '_')}"
+
+
+class Node(NamedTuple):
+    """A node of the Goal Structuring Notation."""
+
+    id: str
+    type: Literal["goal", "strategy", "solution", "context"]
+    text: str
+    supported_by: Sequence[str] = ()
+    in_context_of: Sequence[str] = ()
+    undeveloped: bool = False  # a goal that nothing supports
+    url: str = ""
+
+
+def gsn(nodes: Sequence[Node]) -> str:
+    """Return the argument as YAML, in the form that gsn2x draws."""
+    document: dict[str, dict[str, object]] = {}
+    for node in nodes:
+        more = {
+            "supportedBy": [*node.supported_by],
+            "inContextOf": [*node.in_context_of],
+            "undeveloped": node.undeveloped,
+            "url": node.url,
+        }
+        kept = {name: value for name, value in more.items() if value}
+        document[node.id] = {"text": one_line(node.text), **kept}
+    return dump_plain(document)
+
+
+_ARGUMENT = "//@assuranceCasePackages.0/@argumentPackages.0/@argumentationElement"
+_ODE = "http://www.deis-project.eu/ode/mergedODE"
+_SPACES = {
+    "xmlns:xmi": "http://www.omg.org/XMI",
+    "xmlns:xsi": "http://www.w3.org/2001/XMLSchema-instance",
+    "xmlns:integration_": f"{_ODE}/integration",
+    "xmlns:argumentation_": f"{_ODE}/sacm/argumentation",
+}
+_TYPES = {"goal": "Claim", "strategy": "ArgumentReasoning"}
+
+
+def sacm(project: str, nodes: Sequence[Node]) -> str:
+    """Return the argument as a part of an EDDI: names of SACM 2.3, name space of the ODE."""
+    number = {node.id: k for k, node in enumerate(nodes)}
+    about = {"xmi:version": "2.0", **_SPACES, "name": one_line(project)}
+    root = Element("integration_:DDIPackage", about)
+    package = SubElement(root, "assuranceCasePackages", {"gid": "eddi-case"})
+    package = SubElement(package, "argumentPackages", {"gid": "eddi-argument"})
+
+    def add(type_: str, gid: str, **more: str) -> Element:
+        about = {"xsi:type": f"argumentation_:{type_}", "gid": gid, **more}
+        return SubElement(package, "argumentationElement", about)
+
+    for node in nodes:
+        open_ = {"assertionDeclaration": "needsSupport"} if node.undeveloped else {}
+        element = add(_TYPES.get(node.type, "ArtifactReference"), node.id, **open_)
+        SubElement(element, "name", {"lang": "en", "content": one_line(node.text)})
+    for node in nodes:
+        for id_ in (*node.supported_by, *node.in_context_of):
+            kind = "AssertedContext" if id_ in node.in_context_of else "AssertedInference"
+            kind = "AssertedEvidence" if nodes[number[id_]].type == "solution" else kind
+            source, target = (f"{_ARGUMENT}.{number[of]}" for of in (id_, node.id))
+            add(kind, f"{node.id}_{id_}", source=source, target=target)
+    return _xml(root)
 
 
 class Case(NamedTuple):

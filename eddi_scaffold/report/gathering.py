@@ -22,13 +22,7 @@ from eddi_scaffold.report.contents import Report
 def gathered(
     project: str, groups: Sequence[PackageGroup], eddi: Path | None, faults: Path | None
 ) -> Report:
-    """Return the report of packages.
-
-    Args:
-        project: its title.
-        groups: the packages.
-        eddi: an EDDI with hazards and requirements.
-        faults: what ``inject --json`` printed.
+    """Return the report of packages, an EDDI with hazards, and what ``inject --json`` printed.
 
     Raises:
         EddiError: a package or a file cannot be used.

@@ -236,13 +236,13 @@ class FleetState:
                 return self._take_why(message)
             if message.type not in status_messages():
                 return []
-            known = status_messages()[message.type]
-            reading = known.listen(message.content)
+            title, listen = status_messages()[message.type]
+            reading = listen(message.content)
         except _UNREADABLE:
             self._note(f"{plain(message.topic)}: not a message {message.type} as known here")
             return []
         key = base_topic(message.topic), message.node
-        monitor = self._monitors.get(key) or self._new_monitor(message, known.title)
+        monitor = self._monitors.get(key) or self._new_monitor(message, title)
         if monitor is None:
             return []
         stream = monitor.streams.setdefault(message.topic, _Stream(message.t))
@@ -282,7 +282,7 @@ class FleetState:
             for name, monitors in sorted(robots.items())
         )
         last = tuple(reversed(self._changes))
-        return Snapshot(now, tuple(views), last, self._changed, tuple(self._notes))
+        return Snapshot(now, tuple(views), last, self._changed, self.notes)
 
     def _take_why(self, message: Message) -> list[Change]:
         """Take why claims are as they are; what is told of one anew goes to who follows changes."""

@@ -36,7 +36,6 @@ def changes(source: Source, state: FleetState, note: Callable[[str], None]) -> I
     for _, new in _steps(source, state):
         yield from new
         if time.monotonic() >= due:
-            due = time.monotonic() + _SHOW_S
             note_new()
     note_new()
 
@@ -113,11 +112,6 @@ def time_of_day(t: float) -> str:
     """Return a time of the monotonic clock as the time of day here."""
     at = t + _ORIGIN_S
     return f"{time.strftime('%H:%M:%S', time.localtime(at))}.{int(at * 1000) % 1000:03d}"
-
-
-def seconds(t: float) -> str:
-    """Return the time in a recording."""
-    return f"{t:10.3f}"
 
 
 CONTENT_TYPE = "application/openmetrics-text; version=1.0.0; charset=utf-8"

@@ -43,10 +43,9 @@ class Source(Protocol):
     """Where messages come from."""
 
     def receive(self, seconds: float) -> tuple[float, Sequence[Message]] | None:
-        """Wait for messages, and return the time and what came; ``None``: there is no more.
+        """Wait for messages for some seconds at most, and return the time and what came.
 
-        Args:
-            seconds: to wait at most when there are none.
+        ``None``: there is no more.
         """
 
     def notes(self) -> Sequence[str]:
@@ -56,18 +55,11 @@ class Source(Protocol):
         """End it."""
 
 
-class KnownMessage(NamedTuple):
-    """How messages of one type are understood."""
-
-    title: str  # of the kind of monitor
-    listen: Listen
-
-
 @cache
-def status_messages() -> Mapping[str, KnownMessage]:
-    """Return type of message -> how it is understood, for every kind."""
+def status_messages() -> Mapping[str, tuple[str, Listen]]:
+    """Return type of message -> title of its kind of monitor, and how it is understood."""
     return {
-        f"{MESSAGE_PACKAGE}/{name}": KnownMessage(kind.title, listen)
+        f"{MESSAGE_PACKAGE}/{name}": (kind.title, listen)
         for kind in kinds().values()
         for name, listen in kind.verdicts.items()
     }

@@ -45,10 +45,9 @@ class View:
             what = f"{change.robot} {change.monitor} {change.id} is {change.state}{why}"
             text = xml_text(f"{self.time(change.t)} {what}")
             changes.append(f'<li data-number="{snapshot.changed - index}">{text}</li>')
-        empty = "" if snapshot.robots else "No monitor has been heard of yet."
         return _filled(
             "page",
-            {"time": self.time(snapshot.t), "empty": empty},
+            {"time": self.time(snapshot.t)},
             notes=_items((*self.notes, *snapshot.notes)),
             robots="".join(self._robot(*numbered) for numbered in enumerate(snapshot.robots)),
             changes="".join(changes),
@@ -118,7 +117,6 @@ class Feed:
     def __init__(self, view: View) -> None:
         self._news = threading.Condition()
         self.view, self.since = view, time.monotonic()
-        self.closed = False
 
     def show(self, view: View) -> None:
         """Replace what is shown, and wake who waits for it."""
@@ -129,14 +127,8 @@ class Feed:
     def after(self, view: View | None, seconds: float) -> View:
         """Return the newest, and wait for it as long as it is one that was shown already."""
         with self._news:
-            self._news.wait_for(lambda: self.closed or self.view is not view, seconds)
+            self._news.wait_for(lambda: self.view is not view, seconds)
             return self.view
-
-    def close(self) -> None:
-        """Let everybody who waits go."""
-        with self._news:
-            self.closed = True
-            self._news.notify_all()
 
 
 def open_server(port: int, feed: Feed) -> ThreadingHTTPServer:
@@ -182,7 +174,7 @@ class _Handler(Handler):
         try:
             self.begin(HTTPStatus.OK, "text/event-stream", {})
             end, sent = time.monotonic() + _STREAM_S, None
-            while time.monotonic() < end and not self.feed.closed:
+            while time.monotonic() < end:
                 view = self.feed.after(sent, _ALIVE_S)
                 text = ": nothing new" if view is sent else f"data: {json.dumps(view.page)}"
                 sent = view

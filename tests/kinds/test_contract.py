@@ -21,6 +21,7 @@ from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.recordings.node import Publications
@@ -168,6 +169,39 @@ def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind, tmp_path: Path
         # of SafeML, `accepted` is a number of samples
         name = "acceptances" if kind.name == "safeml" else "accepted"
         assert {text for one in messages for text in getattr(one, name, ())} == accepted
+
+
+PYTHON_TYPES = {"bool": bool, "string": str, "float32": (int, float), "float64": (int, float)}
+
+
+def assert_fits(tree: Any) -> None:
+    """A node would refuse any other message."""
+    name, fields = tree
+    types = known_messages()[f"eddi_messages/{name}"]
+    assert fields.keys() == {field for field, of in types.items() if of != "std_msgs/Header"}, name
+    for field, value in fields.items():
+        single = types[field].partition("[")[0]
+        for item in value if types[field].endswith("]") else (value,):
+            if isinstance(item, tuple):
+                assert f"eddi_messages/{item[0]}" == single
+                assert_fits(item)
+            else:
+                assert isinstance(item, PYTHON_TYPES.get(single, int)), (name, field, item)
+
+
+@each_kind
+@pytest.mark.parametrize("value", [True, None])
+def test_its_messages_fit_their_definitions(kind: Kind, value: object, tmp_path: Path) -> None:
+    monitor = without_limits(kind, tmp_path)
+    running = compiled(monitor)
+    states = {spec.id: InputState("ok") for spec in running.inputs}
+    given = dict.fromkeys([spec.attribute for spec in running.inputs], value)
+    output = running.execute_step(SimpleNamespace(states=states, **given), 0)
+    trees = running.message(output)
+    for tree in trees if isinstance(trees, list) else [trees]:
+        assert_fits(tree)
+    for name in monitor.model.companion_messages():
+        assert_fits(getattr(running, f"{name}_message")())
 
 
 @each_kind

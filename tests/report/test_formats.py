@@ -12,9 +12,18 @@ from pathlib import Path
 import pytest
 import yaml
 
-from eddi_scaffold.report.argument import Node, gsn, sacm
-from eddi_scaffold.report.formats import Case, junit, needs_conf, needs_json, reqif
-from eddi_scaffold.report.items import Item, export_ids
+from eddi_scaffold.report.formats import (
+    Case,
+    Item,
+    Node,
+    export_ids,
+    gsn,
+    junit,
+    needs_conf,
+    needs_json,
+    reqif,
+    sacm,
+)
 
 NOW = datetime(2026, 1, 1)  # noqa: DTZ001 - a time without a zone, as the formats write it
 HAZARD = ("hazard", "", "HitsPerson")

@@ -5,7 +5,6 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 
 from eddi_scaffold.watch.fleet import FleetState
-from eddi_scaffold.watch.following import seconds
 from eddi_scaffold.watch.messages import DIAGNOSTICS, DIAGNOSTICS_TOPIC, Message
 from eddi_scaffold.watch.page import Feed, View, open_server
 from tests.pages import served
@@ -18,7 +17,7 @@ class Fleet:
     def __init__(self) -> None:
         self.state = FleetState()
         self.now = 0.0
-        self.feed = Feed(View(self.state.snapshot(0.0), seconds))
+        self.feed = Feed(View(self.state.snapshot(0.0), "{:10.3f}".format))
 
     def play(self, until: float, robots: tuple[str, ...] = ("/robot1", "/robot2")) -> None:
         for one in warehouse():
@@ -35,7 +34,7 @@ class Fleet:
 
     def show(self) -> None:
         self.state.look(self.now)
-        self.feed.show(View(self.state.snapshot(self.now), seconds))
+        self.feed.show(View(self.state.snapshot(self.now), "{:10.3f}".format))
 
 
 def diagnostics(t: float, node: str, **values: str) -> Message:
@@ -53,4 +52,3 @@ def diagnostics(t: float, node: str, **values: str) -> Message:
 def serving(fleet: Fleet) -> Iterator[int]:
     with served(open_server(0, fleet.feed)) as port:
         yield port
-        fleet.feed.close()

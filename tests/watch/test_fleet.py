@@ -143,7 +143,7 @@ def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
 
     for verdict, reasons in ((FALSE, events._REASONS[:1]), (TRUE, ())):
         event = SimpleNamespace(id="e", verdict=verdict, active=verdict == TRUE, accepted=[])
-        ((said,), *_) = vars(status_messages()["eddi_messages/EventOutput"].listen(event)).values()
+        ((said,), *_) = vars(status_messages()["eddi_messages/EventOutput"][1](event)).values()
         assert said.reasons == reasons
 
 
@@ -203,7 +203,7 @@ def test_a_message_that_is_none_of_ours_is_noted_once() -> None:
     state = FleetState()
     for content in (SimpleNamespace(), SimpleNamespace(model_id=1, guarantees=3)):
         assert state.take(message(0.0, content)) == []
-    (note,) = state.snapshot(0.0).notes
+    note, _ = state.snapshot(0.0).notes
     assert "/r1/cart/guarantees/status" in note
 
 

@@ -8,8 +8,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.common.problems import EddiError, Problem
-from eddi_scaffold.deployments.support import WiredMonitor, facts_of_package, wired
-from eddi_scaffold.deployments.topics import Deployment
+from eddi_scaffold.deployments.support import Deployment, WiredMonitor, facts_of_package, wired
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import chosen
@@ -59,7 +58,7 @@ def test_a_relative_topic_stays_with_its_robot(tmp_path: Path) -> None:
     (source,) = user.config.config.SimulatorOutputs
     found = together.publisher(user, source)
     assert found is not None
-    assert found.member is base[1]
+    assert found[0] is base[1]
 
 
 def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
