@@ -64,7 +64,8 @@ def _status(arguments: Sequence[str]) -> int:
             if _wants_json(arguments):
                 reason = " ".join(failed.format_message().split())
                 return _fail([problem("G000.usage", reason=reason)], arguments)
-            failed.show()
+            usage: Any = failed
+            usage.show()
             return ExitStatus.BAD_INPUT
         else:
             _report_bug(failed, with_traceback=with_traceback)

@@ -69,8 +69,8 @@ def event(
     from eddi_scaffold.program.standalone import check_module_name, module_name
 
     # a text that is too long for a name, or has a NUL, is no file for `isfile`
-    named = text is not None and (os.path.isfile(text) or text.endswith(".events"))  # noqa: PTH113
-    path = Path(text) if named else file
+    named = os.path.isfile(text or "") or (text or "").endswith(".events")  # noqa: PTH113
+    path = Path(text) if text is not None and named else file
     if not serve and name is not None:
         check_module_name(name)
     if not serve and (None not in {text, file} or {text, file, config} == {None}):

@@ -226,12 +226,11 @@ def rejoined(
 
     A model that no longer fits is an EddiError.
     """
+    newer = config
     if text := answers.get("config"):
         old = from_data(text, f"the configuration that {folder} remembers")
         # types that came from models of the robot stay known without these
         newer = old if config is None else with_types(config, old.config.MessageTypes)
-    else:
-        newer = config
     marks = answers.get("default_guarantees") or ()
     monitor, problems = monitor_of(model, newer, marks)
     if monitor is None:

@@ -124,7 +124,7 @@ def verified(
         source = model_for(newer.get(folder) or from_data(text_of, folder), models)
     else:
         (source, *_) = select_models(models, facts.id, kinds()[facts.kind])
-    monitor, _ = rejoined({folder: answers}, {folder: source}, newer)[folder]
+    monitor, _ = rejoined(folder, answers, source, newer.get(folder))
     code = next((name for name in answers["files"] if name.endswith("compiled.py")), "")
     file = next_to(str(package / ANSWERS_FILE), code)
     text = read_regular(file).decode("utf-8", "replace")
