@@ -8,6 +8,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 from eddi_scaffold.cli.console import ExitStatus, console
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
