@@ -232,8 +232,8 @@ class _Parser(Cursor):
         if self._took("("):
             inside = self._expression()
             self._expect(")")
-            more = {"start": token.start, "end": self._tokens[self._index - 1].end}
-            self._nodes[inside] = replace(self._nodes[inside], **more, wrapped=True)
+            end, node = self._tokens[self._index - 1].end, self._nodes[inside]
+            self._nodes[inside] = replace(node, start=token.start, end=end, wrapped=True)
             return inside
         if token.keyword == "UNKNOWN":
             self._fail("E001.literal")
