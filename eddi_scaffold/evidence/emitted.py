@@ -183,14 +183,8 @@ def _check_names(tree: ast.Module, defined: AbstractSet[str]) -> None:
 class Emitted:
     """A ``compiled.py``; ``findings`` are what keeps it from being proved.
 
-    Args:
-        text: of the file.
-        kind: of the monitor.
-        declared: id, digest and bound inputs of the model that was read.
-        formats: part of the runtime -> the format that it has.
-
-    Raises:
-        UnprovedError: a statement of the module has no form.
+    ``declared``: of the model that was read; ``formats``: part of the runtime -> the one it has.
+    An UnprovedError: a statement of the module has no form.
     """
 
     def __init__(

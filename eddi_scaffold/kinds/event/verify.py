@@ -18,14 +18,7 @@ def verify(
     accepted: Sequence[tuple[str, ...]],
     emitted: Emitted,
 ) -> Iterator[str]:
-    """Compare a text with events; yield what is proved.
-
-    Args:
-        program: the events as they were read.
-        units: of the inputs.
-        accepted: what each event accepts of silence.
-        emitted: the text.
-    """
+    """Compare a text with events, and what each accepts of silence; yield what is proved."""
     monitor = emitted.monitor("event.EventMonitor")
     needs = needs_of(program, emitted.declared.inputs)
     events = []
