@@ -9,6 +9,7 @@ from eddi_scaffold.common.problems import did_you_mean, plural
 from eddi_scaffold.conditions.syntax import (
     FUNCTIONS,
     MORE,
+    OPERATORS,
     REDUCTIONS,
     WINDOWS,
     ConstDeclaration,
@@ -36,15 +37,8 @@ MAX_TEXT = 64 * 1024
 MAX_DEPTH = 100
 MAX_NODES = 10_000
 _IMPLIES, _NOT, _COMPARISON, _MINUS = 1, 5, 6, 9
-_WORDS = {"IMPLIES": (_IMPLIES, "implies"), "OR": (2, "or"), "XOR": (3, "xor"), "AND": (4, "and")}
-_SYMBOLS = {
-    **{text: (_COMPARISON, op) for text, op in (("<", "lt"), ("<=", "le"), (">", "gt"))},
-    **{text: (_COMPARISON, op) for text, op in ((">=", "ge"), ("==", "eq"), ("!=", "ne"))},
-    "+": (7, "add"),
-    "-": (7, "sub"),
-    "*": (8, "mul"),
-    "/": (8, "div"),
-}
+_STRENGTHS = {"implies": 1, "or": 2, "xor": 3, "and": 4, "add": 7, "sub": 7, "mul": 8, "div": 8}
+_OPERATORS = {text: (_STRENGTHS.get(op, _COMPARISON), op) for op, text in OPERATORS.items()}
 _LIST_OPTIONS = ("COVERAGE", "SECTOR", "LENGTH", "WITHIN")
 _OPTIONS = ("UNIT", "RATE", "TIMEOUT", "RANGE", "ALLOW")
 ANONYMOUS = "event"  # name of the event that a bare expression is
@@ -192,7 +186,7 @@ class _Parser(Cursor):
         left, compared = self._operand(least), False
         while True:
             token = self._token
-            strength, op = _WORDS.get(token.keyword) or _SYMBOLS.get(token.text) or (0, "")
+            strength, op = _OPERATORS.get(token.keyword or token.text, (0, ""))
             if token.text == "=":
                 self._fail("E001.equals")
             if strength < least:
@@ -242,7 +236,7 @@ class _Parser(Cursor):
             self._fail("E001.word", end, expected="an operand", shown="the next declaration")
         if token.kind == "text":
             self._fail("E001.character", shown=token.shown)
-        if token.kind != "word" or token.keyword in (*_WORDS, "NOT"):
+        if token.kind != "word" or token.keyword in (*_OPERATORS, "NOT"):
             self._missing("an operand")
         if token.keyword in RESERVED:
             self._fail("E001.reserved", shown=token.shown)
@@ -285,13 +279,8 @@ class _Parser(Cursor):
         word = function.keyword
         if word not in WINDOWS:
             self._fail("E006.needs_list", function.start, word=word)
-        if self._is_symbol(")"):
-            self._fail("E005.no_duration", word=word)
         self._expect(",", "',' and a duration such as 5s")
-        at, option = self._token.start, self._token.keyword
-        if option in _LIST_OPTIONS and option != "COVERAGE":
-            self._fail("E006.for_lists", word=option, function=word)
-        length, coverage = self._duration(), None
+        at, length, coverage = self._token.start, self._duration(), None
         if self._took(","):
             if self._token.keyword != "COVERAGE":
                 self._missing("COVERAGE")

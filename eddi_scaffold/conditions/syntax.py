@@ -122,22 +122,9 @@ class File:
         return replace(self, events=tuple(event for event in self.events if event.name in used))
 
 
-OPERATORS = {
-    "implies": "IMPLIES",
-    "or": "OR",
-    "xor": "XOR",
-    "and": "AND",
-    "lt": "<",
-    "le": "<=",
-    "gt": ">",
-    "ge": ">=",
-    "eq": "==",
-    "ne": "!=",
-    "add": "+",
-    "sub": "-",
-    "mul": "*",
-    "div": "/",
-}
+OPERATORS = {word.lower(): word for word in ("IMPLIES", "OR", "XOR", "AND")}
+OPERATORS |= {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}
+OPERATORS |= {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 """Operation with two operands -> how it is written."""
 PREFIXES = {"not": "NOT ", "neg": "-"}
 _WINDOW_WORDS = ("MAX", "MIN", "SUM", "COUNT", "RATE", "STDDEV", "MEDIAN", "TIME", "ONCE")
