@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NoReturn
+from typing import Any
 
 from eddi_scaffold.common.problems import did_you_mean, plural
 from eddi_scaffold.conditions.syntax import (
@@ -35,7 +35,6 @@ from eddi_scaffold.conditions.tokens import (
 
 MAX_TEXT = 64 * 1024
 MAX_DEPTH = 100
-MAX_NODES = 10_000
 _IMPLIES, _NOT, _COMPARISON, _MINUS = 1, 5, 6, 9
 _STRENGTHS = {"implies": 1, "or": 2, "xor": 3, "and": 4, "add": 7, "sub": 7, "mul": 8, "div": 8}
 _OPERATORS = {text: (_STRENGTHS.get(op, _COMPARISON), op) for op, text in OPERATORS.items()}
@@ -182,7 +181,8 @@ class _Parser(Cursor):
         """Parse an expression of operators that are at least so strong."""
         self._depth += 1
         if self._depth > MAX_DEPTH:
-            self._end_at_limit("E013.depth", self._token.start, MAX_DEPTH)
+            at, self._index = self._token.start, len(self._tokens) - 1  # nothing after it is read
+            self._fail("E013.depth", at, limit=MAX_DEPTH)
         left, compared = self._operand(least), False
         while True:
             token = self._token
@@ -279,7 +279,8 @@ class _Parser(Cursor):
         word = function.keyword
         if word not in WINDOWS:
             self._fail("E006.needs_list", function.start, word=word)
-        self._expect(",", "',' and a duration such as 5s")
+        if not self._took(","):
+            self._fail("E005.duration", shown=self._token.shown)
         at, length, coverage = self._token.start, self._duration(), None
         if self._took(","):
             if self._token.keyword != "COVERAGE":
@@ -339,15 +340,8 @@ class _Parser(Cursor):
         return ends[0], ends[-1]
 
     def _add(self, op: str, token: Token, args: tuple[int, ...] = (), **fields: Any) -> int:
-        if len(self._nodes) >= MAX_NODES:
-            self._end_at_limit("E013.operations", token.start, MAX_NODES)
         is_list = any(self._nodes[k].is_list for k in args)
         fields = {"start": token.start, "is_list": is_list, **fields}
         end = self._tokens[self._index - 1].end
         self._nodes.append(SyntaxNode(op, args, end=end, at=token.start, **fields))
         return len(self._nodes) - 1
-
-    def _end_at_limit(self, case: str, at: int, limit: int) -> NoReturn:
-        """Report a limit, once: nothing after it is read."""
-        self._index = len(self._tokens) - 1
-        self._fail(case, at, limit=limit)

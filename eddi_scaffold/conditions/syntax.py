@@ -1,7 +1,7 @@
 """Syntax of a text of events: declarations, expressions as lists of nodes, canonical form.
 
 The nodes of all expressions are in one tuple, each after its operands, so that every walk over
-them is a loop: a text of 10,000 nodes may be a chain as deep as it is long.
+them is a loop: a text may be a chain as deep as it is long.
 """
 
 from __future__ import annotations

@@ -126,7 +126,6 @@ def uses_of(program: Program) -> Mapping[str, tuple[Use, ...]]:
 
 
 COMMENT, FREQUENCY = "comment", "frequency"
-_LIMIT = 64 * 1024
 
 
 def events_of_eddi(
@@ -162,8 +161,6 @@ def _wrong_values(extension_map: ExtensionMap) -> Iterator[Problem]:
     for value in extension_map.of(FREQUENCY):
         if _rate(value.text) is None:
             yield problem("X031.frequency", value.place, value=value.text)
-    if sum(len(value.text) for value in extension_map.values) > _LIMIT:
-        yield problem("X003.characters", extension_map.place, attribute=EVENTS, limit=_LIMIT)
 
 
 def _rate(text: str) -> float | None:
