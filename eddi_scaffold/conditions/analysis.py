@@ -186,16 +186,8 @@ def compile_input(
 ) -> tuple[CompiledExpression | None, list[Problem]]:
     """Check the expression of an input and make what its package holds.
 
-    Args:
-        texts: one, or one for each state.
-        type_: of the input.
-        rate: steps per second of the monitor.
-        variables: by path (``motor.temps[1]``); ``None``: types follow from the use.
-        declarations: ENUM, VAR and CONST that are declared with the inputs.
-        polarity: what UNKNOWN means for a ``bool``.
-
-    Returns:
-        The expression, ``None`` after an error, and all problems, with places in the configuration.
+    ``texts`` are one, or one for each state; ``rate``, ``variables`` and ``declarations`` as for
+    ``analyse``. The expression is ``None`` after an error; problems are in the configuration.
     """
     problems: list[Problem] = []
     analyses: list[Analysis] = []

@@ -47,14 +47,9 @@ class Sample(NamedTuple):
 class History:
     """All values of the operations of a program at the steps of a run.
 
-    A step at the time of the one before is none; one before it begins anew.
-
-    Args:
-        program: the checked conditions.
-        given: the samples of the run.
-        factors: of values that come in another unit.
-        gap: nanoseconds that a gap may last longer.
-        error: of what is rounded, relative to the largest sample of a window.
+    A step at the time of the one before is none; one before it begins anew. ``factors`` are of
+    values that come in another unit, ``gap`` nanoseconds that a gap may last longer, ``error`` that
+    of what is rounded, relative to the largest sample of a window.
     """
 
     def __init__(

@@ -23,8 +23,9 @@ from eddi_scaffold.common import local_server
 from eddi_scaffold.common.local_server import CSS, HTML, Handler, Refused
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.standalone import Target, as_text, columns, generate, play
+from eddi_scaffold.conditions.standalone import as_text, columns, generate, play
 from eddi_scaffold.diagrams.plot import plot, tracks_of
+from eddi_scaffold.program.standalone import Target
 
 Rows = Sequence[tuple[float, Mapping[str, Any]]]
 ReadSignal = Callable[[str, Mapping[str, str]], tuple[Rows | None, Sequence[Problem]]]

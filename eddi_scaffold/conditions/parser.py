@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NoReturn
+from typing import Any
 
 from eddi_scaffold.common.problems import did_you_mean, plural
 from eddi_scaffold.conditions.syntax import (
     FUNCTIONS,
     MORE,
+    OPERATORS,
     REDUCTIONS,
     WINDOWS,
     ConstDeclaration,
@@ -34,17 +35,9 @@ from eddi_scaffold.conditions.tokens import (
 
 MAX_TEXT = 64 * 1024
 MAX_DEPTH = 100
-MAX_NODES = 10_000
 _IMPLIES, _NOT, _COMPARISON, _MINUS = 1, 5, 6, 9
-_WORDS = {"IMPLIES": (_IMPLIES, "implies"), "OR": (2, "or"), "XOR": (3, "xor"), "AND": (4, "and")}
-_SYMBOLS = {
-    **{text: (_COMPARISON, op) for text, op in (("<", "lt"), ("<=", "le"), (">", "gt"))},
-    **{text: (_COMPARISON, op) for text, op in ((">=", "ge"), ("==", "eq"), ("!=", "ne"))},
-    "+": (7, "add"),
-    "-": (7, "sub"),
-    "*": (8, "mul"),
-    "/": (8, "div"),
-}
+_STRENGTHS = {"implies": 1, "or": 2, "xor": 3, "and": 4, "add": 7, "sub": 7, "mul": 8, "div": 8}
+_OPERATORS = {text: (_STRENGTHS.get(op, _COMPARISON), op) for op, text in OPERATORS.items()}
 _LIST_OPTIONS = ("COVERAGE", "SECTOR", "LENGTH", "WITHIN")
 _OPTIONS = ("UNIT", "RATE", "TIMEOUT", "RANGE", "ALLOW")
 ANONYMOUS = "event"  # name of the event that a bare expression is
@@ -188,11 +181,12 @@ class _Parser(Cursor):
         """Parse an expression of operators that are at least so strong."""
         self._depth += 1
         if self._depth > MAX_DEPTH:
-            self._end_at_limit("E013.depth", self._token.start, MAX_DEPTH)
+            at, self._index = self._token.start, len(self._tokens) - 1  # nothing after it is read
+            self._fail("E013.depth", at, limit=MAX_DEPTH)
         left, compared = self._operand(least), False
         while True:
             token = self._token
-            strength, op = _WORDS.get(token.keyword) or _SYMBOLS.get(token.text) or (0, "")
+            strength, op = _OPERATORS.get(token.keyword or token.text, (0, ""))
             if token.text == "=":
                 self._fail("E001.equals")
             if strength < least:
@@ -232,8 +226,8 @@ class _Parser(Cursor):
         if self._took("("):
             inside = self._expression()
             self._expect(")")
-            start, end = token.start, self._tokens[self._index - 1].end
-            self._nodes[inside] = replace(self._nodes[inside], start=start, end=end, wrapped=True)
+            end, node = self._tokens[self._index - 1].end, self._nodes[inside]
+            self._nodes[inside] = replace(node, start=token.start, end=end, wrapped=True)
             return inside
         if token.keyword == "UNKNOWN":
             self._fail("E001.literal")
@@ -242,7 +236,7 @@ class _Parser(Cursor):
             self._fail("E001.word", end, expected="an operand", shown="the next declaration")
         if token.kind == "text":
             self._fail("E001.character", shown=token.shown)
-        if token.kind != "word" or token.keyword in (*_WORDS, "NOT"):
+        if token.kind != "word" or token.keyword in (*_OPERATORS, "NOT"):
             self._missing("an operand")
         if token.keyword in RESERVED:
             self._fail("E001.reserved", shown=token.shown)
@@ -285,13 +279,9 @@ class _Parser(Cursor):
         word = function.keyword
         if word not in WINDOWS:
             self._fail("E006.needs_list", function.start, word=word)
-        if self._is_symbol(")"):
-            self._fail("E005.no_duration", word=word)
-        self._expect(",", "',' and a duration such as 5s")
-        at, option = self._token.start, self._token.keyword
-        if option in _LIST_OPTIONS and option != "COVERAGE":
-            self._fail("E006.for_lists", word=option, function=word)
-        length, coverage = self._duration(), None
+        if not self._took(","):
+            self._fail("E005.duration", shown=self._token.shown)
+        at, length, coverage = self._token.start, self._duration(), None
         if self._took(","):
             if self._token.keyword != "COVERAGE":
                 self._missing("COVERAGE")
@@ -350,15 +340,8 @@ class _Parser(Cursor):
         return ends[0], ends[-1]
 
     def _add(self, op: str, token: Token, args: tuple[int, ...] = (), **fields: Any) -> int:
-        if len(self._nodes) >= MAX_NODES:
-            self._end_at_limit("E013.operations", token.start, MAX_NODES)
         is_list = any(self._nodes[k].is_list for k in args)
         fields = {"start": token.start, "is_list": is_list, **fields}
         end = self._tokens[self._index - 1].end
         self._nodes.append(SyntaxNode(op, args, end=end, at=token.start, **fields))
         return len(self._nodes) - 1
-
-    def _end_at_limit(self, case: str, at: int, limit: int) -> NoReturn:
-        """Report a limit, once: nothing after it is read."""
-        self._index = len(self._tokens) - 1
-        self._fail(case, at, limit=limit)

@@ -71,7 +71,7 @@ class Scope:
     constants: dict[str, NumberWithUnit] = field(default_factory=dict)
     # what lists of messages are reduced to, by canonical text
     reductions: dict[str, Variable] = field(default_factory=dict)
-    # by name; a bare expression cannot be named
+    # by name; that of a bare expression is empty
     events: dict[str, EventDeclaration] = field(default_factory=dict)
     # events, those that others use first; members of a cycle are omitted
     order: list[EventDeclaration] = field(default_factory=list)
@@ -79,14 +79,13 @@ class Scope:
     @property
     def names(self) -> list[str]:
         """Every name that has a meaning."""
-        events = [name for name, event in self.events.items() if not event.anonymous]
-        return [*self.variables, *self.constants, *self.literals, *events]
+        return [*self.variables, *self.constants, *self.literals, *filter(None, self.events)]
 
     def knows(self, name: str) -> bool:
         """Return whether a name has a meaning."""
-        if name in self.events:
-            return not self.events[name].anonymous
-        return name in self.variables or name in self.constants or name in self.literals
+        return any(
+            name in of for of in (self.variables, self.constants, self.literals, self.events)
+        )
 
     def type_of(self, name: str) -> Type | None:
         """Return the type of a name, ``None`` when it is not known."""
@@ -114,11 +113,8 @@ def build_scope(
     scope.variables = scope.variables | {
         name: variable for name, variable in (known or {}).items() if name not in scope.variables
     }
-    nameable = {name for name, event in scope.events.items() if not event.anonymous}
-    uses = {
-        name: sorted({node.text for node in file.nodes_of(event)} & nameable)
-        for name, event in scope.events.items()
-    }
+    texts = {name: {of.text for of in file.nodes_of(event)} for name, event in scope.events.items()}
+    uses = {name: sorted(used & (scope.events.keys() - {""})) for name, used in texts.items()}
     in_a_cycle: set[str] = set()
     while circles := cycles(uses):
         for first, *others in circles:
@@ -152,7 +148,7 @@ def _collect(file: File, scope: Scope, findings: TextFindings) -> None:
         scope.variables[declared.name] = _variable(declared, scope, findings)
     for event in file.events:
         if event.anonymous or is_new(event):
-            scope.events[event.name] = event
+            scope.events["" if event.anonymous else event.name] = event
 
 
 def _variable(declared: VarDeclaration, scope: Scope, findings: TextFindings) -> Variable:

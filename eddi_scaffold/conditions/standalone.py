@@ -89,19 +89,10 @@ def _type_text(variable: Variable) -> str:
     return variable.type.enum or variable.type.kind.upper()
 
 
-__all__ = ["Target", "columns", "generate", "monitor_model", "play", "without_limits"]
-
 Verdict = bool | float | None  # a truth value or a number; None is UNKNOWN
 Column = Literal["float", "bool", "str", "float[]", "bool[]"]
-_COLUMNS: Mapping[str, Column] = {
-    "number": "float",
-    "bool": "bool",
-    "enum": "str",
-    "text": "str",
-    "number[]": "float[]",
-    "bool[]": "bool[]",
-    "text[]": "str",
-}
+_COLUMNS: Mapping[str, Column] = {"number": "float", "bool": "bool"}
+_LISTS: Mapping[str, Column] = {"number": "float[]", "bool": "bool[]"}
 
 
 def generate(analysis: Analysis, target: Target, name: str) -> dict[str, str]:
@@ -139,11 +130,13 @@ def monitor_model(analysis: Analysis, name: str) -> StandaloneMonitor:
 
 def columns(analysis: Analysis) -> dict[str, Column]:
     """Return variable -> type of its column in a recording."""
-    return {
-        entry.name: _COLUMNS[entry.type.kind + ("[]" if is_list_path(entry.name) else "")]
-        for entry in analysis.inputs
-        if entry.type is not None
-    }
+    return {entry.name: column_of(entry) for entry in analysis.inputs}
+
+
+def column_of(variable: Variable) -> Column:
+    """Return the type of a variable as that of an input; a text stands for an enum."""
+    kind = "number" if variable.type is None else variable.type.kind
+    return (_LISTS if is_list_path(variable.name) else _COLUMNS).get(kind, "str")
 
 
 def play(

@@ -1,7 +1,7 @@
 """Syntax of a text of events: declarations, expressions as lists of nodes, canonical form.
 
 The nodes of all expressions are in one tuple, each after its operands, so that every walk over
-them is a loop: a text of 10,000 nodes may be a chain as deep as it is long.
+them is a loop: a text may be a chain as deep as it is long.
 """
 
 from __future__ import annotations
@@ -122,22 +122,9 @@ class File:
         return replace(self, events=tuple(event for event in self.events if event.name in used))
 
 
-OPERATORS = {
-    "implies": "IMPLIES",
-    "or": "OR",
-    "xor": "XOR",
-    "and": "AND",
-    "lt": "<",
-    "le": "<=",
-    "gt": ">",
-    "ge": ">=",
-    "eq": "==",
-    "ne": "!=",
-    "add": "+",
-    "sub": "-",
-    "mul": "*",
-    "div": "/",
-}
+OPERATORS = {word.lower(): word for word in ("IMPLIES", "OR", "XOR", "AND")}
+OPERATORS |= {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}
+OPERATORS |= {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 """Operation with two operands -> how it is written."""
 PREFIXES = {"not": "NOT ", "neg": "-"}
 _WINDOW_WORDS = ("MAX", "MIN", "SUM", "COUNT", "RATE", "STDDEV", "MEDIAN", "TIME", "ONCE")

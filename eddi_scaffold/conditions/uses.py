@@ -8,9 +8,8 @@ claim, with the sign of everything above it: ``NOT``, the left side of ``IMPLIES
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
-from eddi_scaffold.common.claims import Holds, Use
+from eddi_scaffold.common.claims import Acceptance, Holds, Use
 from eddi_scaffold.conditions.definition import COMPARISONS
 from eddi_scaffold.program.instructions import BOOL, Operation, Program, Read
 
@@ -162,24 +161,14 @@ def nodes_below(
             waiting += reversed(nodes[number].args)
 
 
-@dataclass(frozen=True)
-class Silence:
-    """What a condition accepts of silence."""
-
-    word: str  # as in the text
-    accepts: str  # what counts in place of what is not known
-    seconds: float | None  # how long, `None` where only the text states it
-    at: tuple[int, int]  # line and column
-
-
-def accepted(program: Program, root: int) -> list[Silence]:
-    """Return what a condition accepts of silence.
+def accepted(program: Program, root: int) -> list[Acceptance]:
+    """Return what a condition accepts of silence, each by its word in the text.
 
     ``KNOWN`` and ``AGE`` take silence as an argument, ``COVERAGE`` a share of the samples for all
     of them, ``ALLOW INF`` an infinite value. Where the definition of the message makes infinity a
     measurement, nothing is missing: what is missing is NaN or no message there, hence UNKNOWN.
     """
-    silences: dict[Silence, None] = {}
+    silences: dict[Acceptance, None] = {}
     for node in nodes_below(program.operations, root):
         variable = program.reads[node.value] if node.op == "variable" else None
         coverage = node.coverage
@@ -195,10 +184,7 @@ def accepted(program: Program, root: int) -> list[Silence]:
             texts.append((f"COVERAGE {coverage:g}", share, seconds))
         if variable is not None and variable.infinite and not variable.defined:
             texts.append(("ALLOW INF", "an infinite value", None))
-        silences |= {Silence(*text, node.at): None for text in texts}
+        for word, accepts, seconds in texts:
+            lasts = "as its text states" if seconds is None else f"for {seconds:g} s"
+            silences[Acceptance(word, accepts, lasts, seconds, at=node.at)] = None
     return list(silences)
-
-
-def lasts(silence: Silence) -> str:
-    """Describe how long it lasts."""
-    return "as its text states" if silence.seconds is None else f"for {silence.seconds:g} s"

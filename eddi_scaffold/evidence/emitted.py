@@ -63,6 +63,11 @@ class Call(NamedTuple):
         return self.name if self.args is None else f"{self.name}({', '.join(rows)})"
 
 
+def called(name: str, *args: Any, **keywords: Any) -> Call:
+    """Return a call, without keywords that are ``None``."""
+    return Call(name, args, {key: of for key, of in keywords.items() if of is not None})
+
+
 def data(node: ast.expr) -> Any:
     """Return an expression as data: constants, tuples, lists, dicts, calls and names."""
     match node:
@@ -183,14 +188,8 @@ def _check_names(tree: ast.Module, defined: AbstractSet[str]) -> None:
 class Emitted:
     """A ``compiled.py``; ``findings`` are what keeps it from being proved.
 
-    Args:
-        text: of the file.
-        kind: of the monitor.
-        declared: id, digest and bound inputs of the model that was read.
-        formats: part of the runtime -> the format that it has.
-
-    Raises:
-        UnprovedError: a statement of the module has no form.
+    ``declared``: of the model that was read; ``formats``: part of the runtime -> the one it has.
+    An UnprovedError: a statement of the module has no form.
     """
 
     def __init__(
@@ -282,19 +281,20 @@ class Emitted:
 
     def _specs(self) -> Iterator[Call]:
         for input_ in self.declared.inputs:
-            computed = self.expressions.get(input_.id, "a class")
-            named = {
-                "requires": input_.requires or None,
-                "max_age": input_.max_age,
-                "factor": input_.factor,
-                "default": input_.default,
-                "every_message": input_.every_message or None,
-                "accepts": input_.accepts or None,
-                "claims": input_.claims or None,
-                "expression": None if input_.expression is None else Call(computed),
-            }
-            known = {key: value for key, value in named.items() if value is not None}
-            yield Call("InputSpec", (input_.id, input_.attribute), known)
+            computed = Call(self.expressions.get(input_.id, "a class"))
+            yield called(
+                "InputSpec",
+                input_.id,
+                input_.attribute,
+                requires=input_.requires or None,
+                max_age=input_.max_age,
+                factor=input_.factor,
+                default=input_.default,
+                every_message=input_.every_message or None,
+                accepts=input_.accepts or None,
+                claims=input_.claims or None,
+                expression=None if input_.expression is None else computed,
+            )
 
     def end(self, of: Class | None = None) -> None:
         """Refuse what no form has taken, of a class that was taken or of the module."""

@@ -164,12 +164,8 @@ def vectors_file(
 ) -> str:
     """Return the content of the file.
 
-    Args:
-        about: the file of the model, its digest, and rows of inputs that an expression computes.
-        inputs: of the monitor.
-        lists: ``runs``, ``ages``, and what the kind has of its own.
-        complete: whether nothing that decides is left out.
-        steps: how many a verdict needs.
+    ``about``: the file of the model, its digest, and rows of inputs that an expression computes;
+    ``lists``: ``runs``, ``ages``, and what the kind has of its own; ``steps`` for a verdict.
     """
     topics = {name: topic for input_ in inputs for name, topic in input_.topics.items()}
     head = {"format": 1, **about, "complete": complete and about.get("complete", True)}

@@ -7,12 +7,13 @@ the monitor reports at run time which are in use.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from eddi_runtime.inputs import UNSAFE_DEFAULT
 
 from eddi_scaffold.common.claims import Acceptance, Meaning
 from eddi_scaffold.common.escaping import python_literal
-from eddi_scaffold.conditions.uses import accepted, lasts
+from eddi_scaffold.conditions.uses import accepted
 from eddi_scaffold.config.field_paths import (
     Attribute,
     Every,
@@ -41,8 +42,7 @@ def of_input(entry: InputEntry, bound: BoundInput, index: int) -> Iterator[Accep
     for part in bound.expression["parts"] if bound.expression is not None else ():
         (result,) = part["program"].results
         for silence in accepted(part["program"], result.operation):
-            what, until, hold_s = silence.accepts, lasts(silence), silence.seconds
-            yield Acceptance(silence.word, what, until, hold_s, input=entry.id, path=(*path, key))
+            yield replace(silence, input=entry.id, path=(*path, key), at=None)
 
 
 def keys(accepted: Iterable[Acceptance]) -> tuple[str, ...]:

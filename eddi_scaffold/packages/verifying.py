@@ -84,9 +84,8 @@ def checked(monitor: BoundMonitor, text: str) -> tuple[list[str], list[Finding]]
     """Compare a text with a model and its configuration: what is proved, and what is not."""
     kind, proved = monitor.model.kind, list[str]()
     declared = Declaration(monitor.model.name, monitor.facts.digest, monitor.bound)
-    parts = {part: f"eddi_runtime.{part}" for part in (kind, "expressions")}
-    modules = {"eddi_runtime": "eddi_runtime", **parts}
-    formats = {part: importlib.import_module(name).FORMAT for part, name in modules.items()}
+    parts = [importlib.import_module(f"eddi_runtime.{part}") for part in (kind, "expressions")]
+    formats = {of.__name__.rpartition(".")[2]: of.FORMAT for of in (eddi_runtime, *parts)}
     findings: list[Finding] = []
     try:
         emitted = Emitted(text, kind, declared, formats)

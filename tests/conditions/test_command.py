@@ -156,4 +156,4 @@ def test_a_package_is_generated_run_and_upgraded(folder: Path) -> None:
     newer = run("upgrade", "out/rover", *SOURCES, cwd=folder)
     assert newer.status == 0, newer.err
     compiled = folder / "out" / "rover" / "compiled.py"
-    assert "ONCE(motor.data > 80, 0.1 s)" in compiled.read_text("utf-8")
+    assert "ONCE(motor.data > limit, 100ms)" in compiled.read_text("utf-8")

@@ -41,7 +41,7 @@ def reference(file: File, root: int, values: Mapping[str, Any]) -> Any:
     known = [x for x in result if x is not None]
     if node.op in ("list_any", "list_all") and (node.op == "list_any") in known:
         return node.op == "list_any"
-    if len(known) / count < (node.options.coverage or 1.0):
+    if len(known) / count < (node.coverage or 1.0):
         return None
     if node.op in ("list_any", "list_all"):
         return node.op == "list_all"

@@ -18,6 +18,7 @@ from eddi_scaffold.evidence.emitted import (
     Emitted,
     Lines,
     UnprovedError,
+    called,
     read_inputs,
     unpacked,
 )
@@ -144,15 +145,15 @@ class Proof:
                 raise UnprovedError(None, f"{id_} has too many path sets to compare them")
             paths = sorted((tuple(sorted(of)) for of in sets or ()), key=lambda p: (len(p), p))
             published = self.options.published(id_)
-            named = {
-                "node": number.get(id_),
-                "paths": None if number else tuple(paths),
-                "published": None if published == id_ else published,
-                "default": guarantee.default or None,
-                "ranking": guarantee.ranking,
-            }
-            known = {key: value for key, value in named.items() if value is not None}
-            yield Call("consert.Guarantee", (id_,), known)
+            yield called(
+                "consert.Guarantee",
+                id_,
+                node=number.get(id_),
+                paths=None if number else tuple(paths),
+                published=None if published == id_ else published,
+                default=guarantee.default or None,
+                ranking=guarantee.ranking,
+            )
 
     def _compare(self, node: ast.AST, function: int, id_: str) -> None:
         """Compare a function with that of the model."""

@@ -12,7 +12,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.conditions.lags import Lag, lags
 from eddi_scaffold.conditions.standalone import cost_line
-from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts
+from eddi_scaffold.conditions.uses import accepted, inputs_of
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.evidence.emitted import Emitted
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
@@ -41,7 +41,7 @@ FORMAT = 1
 
 def _words(program: Program, root: int) -> tuple[str, ...]:
     """Return the words by which a condition accepts silence."""
-    return tuple(dict.fromkeys(silence.word for silence in accepted(program, root)))
+    return tuple(dict.fromkeys(silence.key for silence in accepted(program, root)))
 
 
 _VERDICT = Meaning(
@@ -217,21 +217,11 @@ class EventModel(Model):
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return what the events of a file accept of silence, with the events that do."""
-        events: dict[Silence, list[str]] = {}
+        events: dict[Acceptance, list[str]] = {}
         for result in self.program.results:
             for silence in accepted(self.program, result.operation):
                 events.setdefault(silence, []).append(result.id)
-        return [
-            Acceptance(
-                silence.word,
-                silence.accepts,
-                lasts(silence),
-                silence.seconds,
-                at=silence.at,
-                outputs=tuple(ids),
-            )
-            for silence, ids in events.items()
-        ]
+        return [replace(silence, outputs=tuple(ids)) for silence, ids in events.items()]
 
     def input_timeouts(self) -> Mapping[str, float]:
         """Return the TIMEOUT of each variable that has one."""

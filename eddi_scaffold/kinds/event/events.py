@@ -18,7 +18,7 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors,
 from eddi_scaffold.common.units import accepted
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.scope import Variable
-from eddi_scaffold.conditions.syntax import is_list_path
+from eddi_scaffold.conditions.standalone import column_of
 from eddi_scaffold.conditions.tokens import (
     DECLARATIONS,
     TextFindings,
@@ -35,7 +35,7 @@ from eddi_scaffold.eddi_xml.extensions import (
     extension_maps,
     unknown_tags,
 )
-from eddi_scaffold.kinds import InputType, ModelInput
+from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.program.instructions import Program
 
 if TYPE_CHECKING:
@@ -45,8 +45,6 @@ if TYPE_CHECKING:
 NAME = "event"
 DEFAULT_RATE = 10.0  # Steps per second where no configuration gives another number
 _VARIABLE = re.compile(r"VAR\s+(\w+)")
-_TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool"}
-_LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
 
 @dataclass(frozen=True)
@@ -100,7 +98,6 @@ def commented(text: str) -> Iterator[tuple[str, str]]:
 
 def input_of(variable: Variable, uses: tuple[Use, ...]) -> ModelInput:
     """Return the input of a variable."""
-    types = _LISTS if is_list_path(variable.name) else _TYPES
     is_number = variable.type is not None and variable.type.kind == "number"
     covered = None
     if variable.range is not None:
@@ -108,7 +105,7 @@ def input_of(variable: Variable, uses: tuple[Use, ...]) -> ModelInput:
         covered = f"known in [{low:g}, {high:g}] {variable.unit or ''}".rstrip()
     return ModelInput(
         variable.name,
-        types.get(variable.type.kind if variable.type else "number", "str"),
+        column_of(variable),
         unit=variable.unit or ("" if is_number else None),
         units=accepted(variable.unit) if is_number else None,
         covered=covered,
@@ -129,7 +126,6 @@ def uses_of(program: Program) -> Mapping[str, tuple[Use, ...]]:
 
 
 COMMENT, FREQUENCY = "comment", "frequency"
-_LIMIT = 64 * 1024
 
 
 def events_of_eddi(
@@ -165,8 +161,6 @@ def _wrong_values(extension_map: ExtensionMap) -> Iterator[Problem]:
     for value in extension_map.of(FREQUENCY):
         if _rate(value.text) is None:
             yield problem("X031.frequency", value.place, value=value.text)
-    if sum(len(value.text) for value in extension_map.values) > _LIMIT:
-        yield problem("X003.characters", extension_map.place, attribute=EVENTS, limit=_LIMIT)
 
 
 def _rate(text: str) -> float | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.evidence.conditions import needs_of, of_inputs
-from eddi_scaffold.evidence.emitted import Call, Emitted
+from eddi_scaffold.evidence.emitted import Emitted, called
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.instructions import Program
@@ -18,20 +18,14 @@ def verify(
     accepted: Sequence[tuple[str, ...]],
     emitted: Emitted,
 ) -> Iterator[str]:
-    """Compare a text with events; yield what is proved.
-
-    Args:
-        program: the events as they were read.
-        units: of the inputs.
-        accepted: what each event accepts of silence.
-        emitted: the text.
-    """
+    """Compare a text with events, and what each accepts of silence; yield what is proved."""
     monitor = emitted.monitor("event.EventMonitor")
     needs = needs_of(program, emitted.declared.inputs)
-    events = []
-    for result, places, accepts in zip(program.results, needs, accepted, strict=True):
-        named = {"accepts": accepts} if accepts else {}
-        events.append(Call("event.Event", (result.id, result.hazard, places), named))
+    rows = zip(program.results, needs, accepted, strict=True)
+    events = (
+        called("event.Event", of.id, of.hazard, places, accepts=words or None)
+        for of, places, words in rows
+    )
     emitted.attribute(monitor, "events", tuple(events))
     of_inputs(emitted, monitor, program, units)
     emitted.end(monitor)
