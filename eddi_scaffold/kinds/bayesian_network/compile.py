@@ -11,7 +11,13 @@ from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE
 from eddi_scaffold.kinds.bayesian_network.inference_plan import Part, parts_of
 from eddi_scaffold.kinds.bayesian_network.joint_tables import priors_of
 from eddi_scaffold.kinds.bayesian_network.message_passing import Edge
-from eddi_scaffold.kinds.bayesian_network.network import Network, NumberedNetwork, bits, numbered
+from eddi_scaffold.kinds.bayesian_network.network import (
+    Network,
+    NumberedNetwork,
+    bits,
+    node_attributes,
+    numbered,
+)
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.monitor_text import (
@@ -50,8 +56,10 @@ def compile_network(
     bases = ["explain.Explaining"] if options.explain else []
     bases += ["claims.ThresholdMonitor"] if options.thresholds else []
     specs = []
-    for k, (node, attribute) in enumerate(zip(network.nodes, by_number.attributes, strict=True)):
-        fields = [py.text_literal(node.id), py.literal(node.states), py.text_literal(attribute)]
+    attributes = node_attributes(network)
+    for k, node in enumerate(network.nodes):
+        attribute = py.text_literal(attributes[node.id])
+        fields = [py.text_literal(node.id), py.literal(node.states), attribute]
         above = f"{k} {py.comment(node.place.path or '')}".rstrip()
         specs.append(py.Item(py.call(f"{_ROOM}.NodeSpec", fields), above=above))
     program: dict[str, py.Part] = {

@@ -21,7 +21,7 @@ _MOST_NUMBERS = 2**24  # of a table
 
 def factors_of(network: Network) -> list[Factor]:
     """Return P(node | parents) of each node, with an axis for each parent, then its own."""
-    shape, _, tables, _ = numbered(network)
+    shape, _, tables = numbered(network)
     families = [*map(shape.family, range(len(tables)))]
     sizes = ([shape.cards[axis] for axis in axes] for axes in families)
     arrays = (np.array(of).reshape(size) for of, size in zip(tables, sizes, strict=True))

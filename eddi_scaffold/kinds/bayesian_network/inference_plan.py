@@ -33,11 +33,6 @@ class Width(NamedTuple):
     largest: int  # entries of the largest table, the product of the states of `nodes`
     nodes: tuple[str, ...]  # names of the nodes of that table
 
-    @property
-    def too_large(self) -> bool:
-        """Whether such a network is refused."""
-        return self.largest > TOO_LARGE
-
 
 def width_of(shape: Shape, outputs: Iterable[int], observable: Iterable[int]) -> Width:
     """Return what inference costs for nodes with these numbers; no array is made."""

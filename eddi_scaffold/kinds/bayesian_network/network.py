@@ -147,7 +147,6 @@ class NumberedNetwork(NamedTuple):
     states: tuple[tuple[str, ...], ...]
     # P(node | parents) of each node: first parent slowest, own state fastest
     tables: tuple[tuple[float, ...], ...]
-    attributes: tuple[str, ...]  # identifier of each node: its method is `node_<attribute>`
 
 
 class Component(NamedTuple):
@@ -168,7 +167,6 @@ def numbered(network: Network) -> NumberedNetwork:
         Shape(tuple(number), cards, parents),
         tuple(node.states for node in nodes),
         tuple(node.table for node in nodes),
-        tuple(node_attributes(network).values()),
     )
 
 

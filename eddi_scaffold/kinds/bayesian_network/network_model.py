@@ -106,19 +106,12 @@ class NetworkModel(kinds.Model):
 
     def outline(self) -> Sequence[str]:
         """Return the nodes with states and parents, then what inference costs."""
-        options, declarations = self.settings, self.settings.declarations
-        bins = {entry.node: entry for entry in declarations if entry.reader.edges is not None}
-        lines = []
+        options, lines = self.settings, list[str]()
         for node in self.data.nodes:
             title = f" ({node.title})" if node.title != node.id else ""
             lines.append(f"{node.id}{title}: {', '.join(node.states)}")
             if node.parents:
                 lines.append(f"  given {', '.join(node.parents)}")
-            if node.id in bins:
-                reader = bins[node.id].reader
-                edges = [*(f" | {edge:g} | " for edge in reader.edges or ()), ""]
-                pairs = zip((node.states[k] for k in reader.order), edges, strict=True)
-                lines.append(f"  from {bins[node.id].input}: {''.join(map(''.join, pairs))}")
         if self.data.known:
             known = (
                 f"{name} (event {event})" if event else name for name, event in self.data.known

@@ -337,11 +337,12 @@ def _warnings(network: Network, settings: NetworkOptions, options: Options) -> I
     """Yield what is too wide (B301), and evidence that is of little use (B305, B425)."""
     width, observed = settings.width, settings.observable
     if width.largest > LARGE:
+        is_refused = width.largest > TOO_LARGE
         yield problem(
-            "B301.too_large" if width.too_large else "B301.large",
+            "B301.too_large" if is_refused else "B301.large",
             options.place(),
             entries=in_digits(width.largest),
-            limit=TOO_LARGE if width.too_large else LARGE,
+            limit=TOO_LARGE if is_refused else LARGE,
             nodes=", ".join(width.nodes[:8]) + (", ..." if len(width.nodes) > 8 else ""),
         )
     for entry in settings.thresholds:

@@ -145,7 +145,7 @@ def network(cards, parents, tables):
     names = tuple(f"n{k}" for k in range(len(cards)))
     states = tuple(tuple(f"s{j}" for j in range(card)) for card in cards)
     shape = Shape(names, tuple(cards), tuple(tuple(one) for one in parents))
-    return NumberedNetwork(shape, states, tuple(tuple(map(float, one)) for one in tables), names)
+    return NumberedNetwork(shape, states, tuple(tuple(map(float, one)) for one in tables))
 
 
 def random_network(rng, count, most_parents=3, zeros=0.2, most_states=4, least_states=2):

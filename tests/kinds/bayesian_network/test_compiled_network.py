@@ -95,7 +95,6 @@ def test_cost_depends_on_the_width_not_on_the_number_of_nodes():
 @pytest.mark.slow
 def test_a_wide_network_is_recognised_without_memory():
     width = width_of(grid(24, 24), [24 * 24 - 1], range(24 * 24 - 1))
-    assert width.too_large
     assert width.largest > TOO_LARGE > LARGE
     assert len(width.nodes) > 20
 
