@@ -156,7 +156,6 @@ _NUMBER = re.compile(
     re.ASCII,
 )
 _BLANKS = " \t\n\r\f\v"
-_COMMA = re.compile(r"\s*[-+]?[0-9]+,[0-9]+\b.*")
 _ODE = {"millisecond": "ms", "second": "s", "minute": "min", "hour": "h"}
 """Literals of the metamodel's TimeUnit that are spelt otherwise."""
 
@@ -289,8 +288,7 @@ def _split(
         raise QuantityError(f"{_shown(quantity)} is not a number", form)
     match = _NUMBER.fullmatch(quantity.strip(_BLANKS)) if isinstance(quantity, str) else None
     if isinstance(quantity, str) and match is None:
-        hint = "write a point, not a comma" if _COMMA.fullmatch(quantity) else form
-        raise QuantityError(f"{_shown(quantity)} is not a number", hint)
+        raise QuantityError(f"{_shown(quantity)} is not a number", form)
     try:
         value = float(match[1]) if match else float(quantity)
     except OverflowError:
