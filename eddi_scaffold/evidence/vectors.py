@@ -78,11 +78,6 @@ def age_rows(
         yield from [row] if row else []
 
 
-def merged(values: Iterable[Mapping[str, Any]]) -> Mapping[str, Any]:
-    """Return all values, of which later ones go before others."""
-    return {key: value for each in values for key, value in each.items()}
-
-
 def changed(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
     """Return what is new, or of another type."""
     pairs = after.items()

@@ -22,8 +22,8 @@ from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.kinds.reliability.lowering import lower_tree
+from eddi_scaffold.kinds.reliability.show import at_start
 from eddi_scaffold.kinds.reliability.system import FaultTree, Law
-from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
 from tests.data_files import ABSENT, FOREIGN, ORACLES, data_text, tabled
 
@@ -72,7 +72,7 @@ def cut_sets(model: Model) -> set[frozenset[str]]:
     law = Law("exponential", (1.0,))  # where the file has none
     events = {name: replace(event, law=event.law or law) for name, event in tree.events.items()}
     lowered = lower_tree(model.name, replace(tree, events=events))
-    sets = lowered.all_cut_sets({})
+    sets = lowered.cut_sets
     assert sets is not None
     return {frozenset(lowered.events[i].name for i in one) for one in sets}
 

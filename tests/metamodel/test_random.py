@@ -6,7 +6,7 @@ import pytest
 from hypothesis import settings
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.kinds.reliability.show import at_start
 from eddi_scaffold.monitors.loading import read_models
 from tests.kinds.consert.example import monitor_of
 from tests.metamodel.eddis import random_eddi

@@ -8,9 +8,8 @@ import pytest
 from scipy.linalg import expm
 
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.kinds.reliability.show import cut_sets
+from eddi_scaffold.kinds.reliability.show import at_start, cut_sets
 from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilitySystem
-from eddi_scaffold.kinds.reliability.trial import at_start
 from tests.metamodel.expected import FOLDER, cases, changed, expected, models
 
 TREES, CHAINS = cases("fault_tree"), cases("markov_chain")

@@ -13,7 +13,7 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.consert import ConSert
-from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.kinds.reliability.show import at_start
 from tests.metamodel.expected import changed
 
 MODELS = Path(__file__).parent / "models"

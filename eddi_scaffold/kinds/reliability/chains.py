@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from math import fsum, inf
 from typing import NamedTuple
 
 from eddi_scaffold.common import graphs
-from eddi_scaffold.kinds.reliability.system import FATAL
+from eddi_scaffold.kinds.reliability.system import FATAL, ReliabilitySystem
 from eddi_scaffold.program import python_text as py
 
 Arc = tuple[int, int, float]
@@ -179,16 +178,7 @@ STATES_WRITTEN_OUT = 8  # States up to which the sums are written out
 GRID = 256  # How many horizons are prepared when the mission's end is an input
 
 
-@dataclass(frozen=True)
-class Time:
-    """Quantum and horizon, in hours; ``moving``: the mission's end is an input."""
-
-    quantum: float
-    horizon: float
-    moving: bool
-
-
-def chain_table_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
+def chain_table_lines(name: str, chain: Chain, system: ReliabilitySystem) -> Iterator[str]:
     """Yield the class of a chain whose exponentials are found when the monitor starts."""
     endless = sorted(set(range(len(chain.states))) - certain(chain) - set(chain.fail))
     yield f"class {name}(large_chain.LargeChain):"
@@ -200,9 +190,10 @@ def chain_table_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
         yield from py.assignment("endless", py.literal(tuple(endless)), 4)
     if chain.age:
         yield f"    age = {py.number(chain.age)}  # h"
-    yield f"    hours = {py.number(time.quantum)}  # one quantum"
-    yield f"    horizon = {py.number(time.horizon / GRID if time.moving else time.horizon)}"
-    if time.moving:
+    yield f"    hours = {py.number(system.quantum / 3600.0)}  # one quantum"
+    part = system.horizon / GRID if system.mission_end else system.horizon
+    yield f"    horizon = {py.number(part)}"
+    if system.mission_end:
         yield f"    steps = {GRID}"
     yield from py.assignment("arcs", rows_of_arcs(chain), 4)
 
@@ -230,7 +221,7 @@ def rows_of_states(chain: Chain, rows: Iterable[tuple[float, ...] | float]) -> p
     return py.tuple_of(py.Item(py.literal(row), behind=py.comment(state)) for row, state in pairs)
 
 
-def chain_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
+def chain_lines(name: str, chain: Chain, system: ReliabilitySystem) -> Iterator[str]:
     """Yield the class of a chain with its numbers: one quantum, and what lies ahead."""
     rates, states = rates_of(chain), range(len(chain.states))
     yield f"class {name}(chain.Chain):"
@@ -239,21 +230,21 @@ def chain_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
         "first", py.literal(tuple(propagator(rates, chain.age)[chain.initial])), 4
     )
     yield "    # Failed and alive at the horizon, mean life in hours."
-    ahead = rows_ahead(chain, 0.0 if time.moving else time.horizon)
+    ahead = rows_ahead(chain, 0.0 if system.mission_end else system.horizon)
     yield from py.assignment("ahead", rows_of_states(chain, ahead), 4)
-    if time.moving:
-        grid = map(tuple, propagator(rates, time.horizon / GRID))
+    if system.mission_end:
+        grid = map(tuple, propagator(rates, system.horizon / GRID))
         yield f"    # Transitions in one of {GRID} parts of the longest horizon."
         yield from py.assignment("grid", rows_of_states(chain, grid), 4)
         yield f"    steps = {GRID}"
     names = [f"b{i}" for i in states]
     unpacked = f"        {', '.join(names)}{',' if len(names) == 1 else ''} = belief"
-    step = propagator(rates, time.quantum)
+    step = propagator(rates, system.quantum / 3600.0)
     yield from ("", "    def quantum(self, belief):", unpacked)
     yield from sums(
         ([row[state] for row in step], py.comment(chain.states[state])) for state in states
     )
-    if not time.moving:
+    if not system.mission_end:
         failed, alive, lives = zip(*ahead, strict=True)
         yield from ("", "    def look(self, belief, at):", unpacked)
         yield from sums(

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.kinds.reliability import chains
-from eddi_scaffold.kinds.reliability.decision_diagram import NODE_LIMIT, TooLargeError
-from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, CUT_SETS, order
+from eddi_scaffold.kinds.reliability.decision_diagram import NODE_LIMIT
+from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, CUT_SETS, TooLargeError, order
 from eddi_scaffold.kinds.reliability.lowering import chain_of, lower_tree
 from eddi_scaffold.kinds.reliability.system import (
     DYNAMIC,

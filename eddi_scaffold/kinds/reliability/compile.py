@@ -54,7 +54,6 @@ def compile_system(
 
     Sums are written out up to so many states and nodes.
     """
-    time = chains.Time(system.quantum / 3600.0, system.horizon, moving=system.mission_end)
     lines: list[str] = []
     models = []
     known: dict[str, Rule] = {MISSION_END: _SECONDS} if system.mission_end else {}
@@ -63,7 +62,7 @@ def compile_system(
     for place, model in enumerate(system.used_models()):
         kind, path = model.type.title().replace("_", ""), model.place.path or ""
         about = py.comment(f"{kind} {model.name}: {path}".rstrip(": "))
-        component = _Component(place, model, about, time, states, nodes)
+        component = _Component(place, model, about, system, states, nodes)
         models.append(
             py.Item(component.constructor(), f"{py.text_literal(model.name)}: ", above=about)
         )
@@ -148,7 +147,7 @@ class _Component:
     place: int
     model: ComponentModel
     about: str
-    time: chains.Time
+    system: ReliabilitySystem
     states: int
     nodes: int
     lines: list[str] = field(default_factory=list)  # of the classes, with a comment above
@@ -179,7 +178,7 @@ class _Component:
                 chain = chains.battery_chain(*map(self._number, keys))
                 level, arcs = self._input("level", _LEVEL), chains.rows_of_arcs(chain)
                 rows = chains.rows_of_states(chain, chains.mean_times(chain))
-                fields = [level, arcs, rows, py.number(self.time.horizon)]
+                fields = [level, arcs, rows, py.number(self.system.horizon)]
                 return py.call("battery.Battery", fields, **more, **self._heat())
         heat = self._heat()
         load = py.tuple_of([self._input("utilisation", _LOAD), py.literal(values["u_max"])])
@@ -218,10 +217,10 @@ class _Component:
         configuration, rates = values["configuration"], values["rates"]
         motors = sorted(range(len(rates)), key=values["positions"].__getitem__)
         chain = chains.rotors_chain(configuration, [float(rates[motor]) for motor in motors])
-        if self.time.moving:  # the chain finds what lies ahead
+        if self.system.mission_end:  # the chain finds what lies ahead
             ahead: py.Part = self._chain("Chain", chain, self.about)
         else:
-            numbers = chains.rows_ahead(chain, self.time.horizon)
+            numbers = chains.rows_ahead(chain, self.system.horizon)
             ahead = py.call("rotors.Rows", [chains.rows_of_states(chain, numbers)])
         if values["status"] == "list":
             status = self._input("status", Rule("bool[]", length=len(motors)))
@@ -238,7 +237,7 @@ class _Component:
         name = f"{name}{self.place}"
         write = chains.chain_lines if len(chain.states) <= self.states else chains.chain_table_lines
         self.lines += [f"# {about}"] if about else []
-        self.lines += [*write(name, chain, self.time), "", ""]
+        self.lines += [*write(name, chain, self.system), "", ""]
         return f"{name}()"
 
     def _tree(self, tree: lowering.FaultTree) -> py.Part:
@@ -278,11 +277,11 @@ def tree_lines(
         )
     if tree.repair:
         yield "    repair = True"
-    if tree.cut_sets is not None:
+    if diagram is None:
         yield "    # Minimal cut sets, by the numbers of the events."
-        sets = (py.literal(tuple(sorted(cut_set))) for cut_set in tree.cut_sets)
+        sets = (py.literal(tuple(sorted(cut_set))) for cut_set in tree.cut_sets or ())
         yield from py.assignment("sets", py.tuple_of(sets), 4)
-    elif diagram is not None:
+    else:
         if not diagram.coherent:
             yield "    grows = False"
         if not is_written_out or (not diagram.coherent and (observed or models)):

@@ -12,17 +12,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, Gate, order, used_gates
+from eddi_scaffold.kinds.reliability.fault_tree import (
+    COHERENT,
+    Gate,
+    TooLargeError,
+    order,
+    used_gates,
+)
 
 FALSE, TRUE = 0, 1
 NODE_LIMIT = 2_000_000
 _FIRST_LIMIT = 20_000
 """Nodes up to which all orders of the variables are tried; ten times more as long as none fits."""
 _LARGEST = 2**60
-
-
-class TooLargeError(ValueError):
-    """The diagram has more nodes than the limit."""
 
 
 class Diagram(NamedTuple):

@@ -49,19 +49,15 @@ class FaultTree:
             if event.input is None and (key := (event.law, *event.values)) in sure
         }
 
-    def all_cut_sets(self, known: Mapping[int, bool]) -> Sequence[frozenset[int]] | None:
-        """Return all minimal cut sets, with events known or not; None as `minimal_cut_sets`."""
-        return _cut_sets(len(self.events), self.gates, self.top, tuple(known.items()))
-
     @cached_property
     def cut_sets(self) -> Sequence[frozenset[int]] | None:
-        """All minimal cut sets where they give bounds; None: else, too many, or not coherent."""
-        return self.all_cut_sets({}) if self.bounded else None
+        """All minimal cut sets; None: it is not coherent, or there are too many."""
+        return _cut_sets(len(self.events), self.gates, self.top, tuple(self.certain.items()))
 
     @cached_property
     def diagram(self) -> Diagram | None:
         """The diagram as it runs, None where cut sets give bounds; may raise TooLargeError."""
-        if self.cut_sets is not None:
+        if self.bounded and self.cut_sets is not None:
             return None
         observed = frozenset(i for i, event in enumerate(self.events) if event.input is not None)
         numbers = (len(self.events), self.gates, self.top, observed, self.limit)

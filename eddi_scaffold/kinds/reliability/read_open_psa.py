@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, line_of, select
 from eddi_scaffold.kinds.reliability import system
 from eddi_scaffold.kinds.reliability.fault_tree import order
@@ -117,9 +117,6 @@ class _Reader:
             self.problems += fault.problems if fault else ()
 
     def define(self) -> None:
-        # what was refused may define what others name
-        is_complete = all(problem.code != "R017" for problem in self.problems)
-        self.similar = SimilarNames(self.names)
         for key, element in self.names.items():
             formulas = _parts(element)
             try:
@@ -131,7 +128,7 @@ class _Reader:
                     law = self._law(element, key)
                     self.events[key] = system.BasicEvent(key, law, place=self._place(element))
             except EddiError as fault:
-                self.problems += [p for p in fault.problems if is_complete or p.code != "R001"]
+                self.problems += fault.problems
 
     def _formula(self, key: str, element: Element, depth: int) -> None:
         """Read a formula as the gate of this key, and those within it as gates of their own."""
@@ -166,8 +163,7 @@ class _Reader:
             self.events.setdefault(constant, system.BasicEvent(constant, law, place=place))
             return constant
         if _name(element) not in self.names:
-            hint = self.similar.hint(_name(element)) or _ONE_FILE
-            raise self._fault("R001.unknown_gate", element, hint=hint, name=_name(element))
+            raise self._fault("R001.unknown_gate", element, hint=_ONE_FILE, name=_name(element))
         return _name(element)
 
     def systems(self) -> Iterator[system.ReliabilitySystem]:

@@ -23,7 +23,6 @@ from eddi_scaffold.kinds.reliability.read_eddi import read_eddi
 from eddi_scaffold.kinds.reliability.read_open_psa import read_open_psa
 from eddi_scaffold.kinds.reliability.read_yaml import read_system
 from eddi_scaffold.kinds.reliability.system import NAME, Chain, FaultTree, ReliabilitySystem
-from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.kinds.reliability.vectors import system_vectors
 from eddi_scaffold.kinds.reliability.verify import verify
@@ -218,7 +217,7 @@ def _undecided(system: ReliabilitySystem) -> Iterator[Problem]:
     """Warn of each threshold that decides nothing at the start (R014)."""
     if not system.thresholds:
         return
-    best, worst = at_start(system).p_fail, at_start(system, known=False).p_fail_high
+    best, worst = show.at_start(system).p_fail, show.at_start(system, known=False).p_fail_high
     for t in system.thresholds:
         if best > t.activate and not system.mission_end:  # which may be near
             yield problem(

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
+
+from eddi_runtime.reliability import Reliability, ReliabilityResult
 
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Shape, Tone
+from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.lowering import lower_tree
 from eddi_scaffold.kinds.reliability.system import (
+    NAME,
     UNITS,
     BasicEvent,
     Chain,
@@ -18,7 +23,9 @@ from eddi_scaffold.kinds.reliability.system import (
     Gate,
     ReliabilitySystem,
 )
-from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import Declaration, module_text
+from eddi_scaffold.program.running import module_of
 
 _MOST_CUT_SETS = 20
 
@@ -112,6 +119,16 @@ def law_text(event: BasicEvent) -> str:
     return form.format(*law.values, model=law.model) + age + (", observed" * event.observed)
 
 
+def at_start(system: ReliabilitySystem, *, known: bool = True) -> ReliabilityResult:
+    """Return the first result of a robot with everything in order, or nothing known."""
+    inputs = system.without_unused().inputs()
+    declaration = Declaration("m", "", tuple(BoundInput(i.id, i.id) for i in inputs))
+    text = module_text(NAME, compile_system(system, declaration), declaration.model_id)
+    monitor: Reliability = module_of(text, declaration.model_id).Monitor()
+    values: dict[str, Any] = {input_.id: input_.sample for input_ in inputs} if known else {}
+    return monitor.execute_step(SimpleNamespace(**values), 0)
+
+
 def readme(system: ReliabilitySystem) -> list[str]:
     """Return numbers at the start of the mission, thresholds and minimal cut sets."""
     start = at_start(system)
@@ -156,10 +173,9 @@ def readme(system: ReliabilitySystem) -> list[str]:
 def cut_sets(name: str, tree: FaultTree) -> list[list[str]] | None:
     """Return the minimal cut sets, smallest first; None: NOT or XOR, or too many."""
     lowered = lower_tree(name, tree)
-    sets = lowered.cut_sets or lowered.all_cut_sets(lowered.certain)
-    if sets is None:
+    if lowered.cut_sets is None:
         return None
-    names = [sorted(lowered.events[i].name for i in cut_set) for cut_set in sets]
+    names = [sorted(lowered.events[i].name for i in cut_set) for cut_set in lowered.cut_sets]
     return sorted(names, key=lambda events: (len(events), events))
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from decimal import Context, localcontext
+from functools import reduce
+from operator import or_
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.evidence.emitted import UnprovedError
@@ -21,7 +22,6 @@ from eddi_scaffold.evidence.vectors import (
     TooMuchError,
     age_rows,
     fitting_file,
-    merged,
 )
 from eddi_scaffold.kinds.reliability import exact
 from eddi_scaffold.kinds.reliability.exact import D
@@ -122,90 +122,68 @@ class _Definition:
         return sum((math.prod(row, start=D(1)) for row in rows), D(0))
 
 
-class _Vectors:
-    """First steps of a monitor."""
+def _known(
+    about: ModelInput, needed: Mapping[str, int], factor: tuple[int, int] | None
+) -> list[tuple[Any, Any]]:
+    """Return values of an input, the usual one first, as given and as believed."""
+    usual: Any = about.sample
+    if about.type == "bool":
+        return [(usual, usual), (not usual, not usual)]
+    edges = [of for edge in (75.0, 50.0, 25.0) for of in (math.nextafter(edge, 100), edge)]
+    if about.id in needed:
+        edges = [needed[about.id] - 1, needed[about.id]]
+    rest = 1 if factor is None else 0.999  # rounding is not to decide at an edge
+    number, divisor = factor or (1, 1)
+    return [(of * rest * divisor / number, of * rest) for of in (usual, *edges, 0)]
 
-    def __init__(self, system: ReliabilitySystem, bound: Sequence[BoundInput]) -> None:
-        self.system = system
-        about = {of.id: of for of in system.inputs()}
-        units = (of for of in system.used_models() if of.type == "k_out_of_n")
-        self.needed = {input_id(of.name, "available"): of.values["k"] for of in units}
-        own = [of for of in bound if of.id in about]
-        self.inputs = {of.id: self._values(about[of.id], of.factor) for of in own}
-        self.base = {id_: known[0] for id_, (known, _) in self.inputs.items()}
 
-    def _values(self, about: ModelInput, factor: tuple[int, int] | None) -> Sequence[list[Any]]:
-        """Return values of an input that are known, the usual one first, and that are not."""
-        usual: Any = about.sample
-        wrong = [*_WRONG, 1 if about.type == "bool" else True]
-        if about.type == "bool":
-            known = [usual, not usual]
-        elif about.id in self.needed:
-            k = self.needed[about.id]
-            known, wrong = [usual, k - 1, k, float(k), 0], [*wrong, 20_000, 2.5, -1]
-        else:
-            edges = [of for edge in (75.0, 50.0, 25.0) for of in (math.nextafter(edge, 100), edge)]
-            known, wrong = [usual, *edges, 0.0, 60], [*wrong, 101.0, -1.0]
-        pairs = [(of, of) for of in known]
-        if factor is not None:  # rounding is not to decide at an edge
-            pairs = [(of * 0.999 * factor[1] / factor[0], of * 0.999) for of in known]
-        return pairs, [(of, None) for of in wrong]
-
-    def results(self, pattern: Pattern) -> Values | None:
-        """Return what comes out of a first step; ``None`` where it is not known."""
-        given = {id_: of for id_, (_, of) in pattern.items()}
-        try:
-            p = _Definition(self.system, given).known[self.system.top]
-        except (TooMuchError, UnprovedError):
-            return None
-        expected: dict[str, Any] = {"valid": p is not None}
-        for of in self.system.thresholds:
-            if p is None and not self.system.worst_case:  # else bounds decide
-                expected[of.id] = False
-            elif p is not None and not math.isclose(p, of.activate):  # else rounding decides
-                expected[of.id] = p <= of.activate and not of.hold
-        return expected if p is None else expected | dict.fromkeys(_NUMBERS, float(f"{p:.12g}"))
-
-    def patterns(self) -> tuple[list[Pattern], bool]:
-        """Return observations: all, or those that differ from the usual ones in one input."""
-        values = self.inputs.items()
-        columns = [[{id_: of} for of in (*known, _UNKNOWN)] for id_, (known, _) in values]
-        is_all = math.prod(map(len, columns)) <= _PATTERNS
-        rows = [*itertools.product(*columns)] if is_all else [[of] for row in columns for of in row]
-        return [merged([self.base, *row]) for row in rows], is_all
-
-    def lines(self, inputs: Sequence[BoundInput]) -> Iterator[Run | list[object]]:
-        """Yield the lines of the file; raise an error at the end where some are missing."""
-        patterns, is_all = self.patterns()
-        rows = [("start", pattern) for pattern in patterns]
-        for id_, (_, wrong) in self.inputs.items():
-            rows += [(f"wrong:{id_}", {**self.base, id_: of}) for of in wrong]
-        is_all = is_all and len(rows) <= _MOST_RUNS
-        for name, pattern in rows[:_MOST_RUNS]:
-            if (expected := self.results(pattern)) is None:
-                is_all = False
-            else:
-                yield Run(
-                    name, [Step(0, {id_: raw for id_, (raw, _) in pattern.items()}, expected)]
-                )
-
-        def results(given: Values) -> Values | None:
-            unknown = {id_: _UNKNOWN for id_, raw in given.items() if raw is None}
-            return self.results({**self.base, **unknown})
-
-        yield from age_rows(inputs, {id_: raw for id_, (raw, _) in self.base.items()}, results)
-        if not is_all:
-            raise TooMuchError
+def _results(system: ReliabilitySystem, pattern: Pattern) -> Values | None:
+    """Return what comes out of a first step; ``None`` where it is not known."""
+    try:
+        p = _Definition(system, {id_: of for id_, (_, of) in pattern.items()}).known[system.top]
+    except (TooMuchError, UnprovedError):
+        return None
+    expected: dict[str, Any] = {"valid": p is not None}
+    for of in system.thresholds:
+        if p is None and not system.worst_case:  # else bounds decide
+            expected[of.id] = False
+        elif p is not None and not math.isclose(p, of.activate):  # else rounding decides
+            expected[of.id] = p <= of.activate and not of.hold
+    return expected if p is None else expected | dict.fromkeys(_NUMBERS, float(f"{p:.12g}"))
 
 
 def system_vectors(
     system: ReliabilitySystem, inputs: Sequence[BoundInput], about: Mapping[str, str]
 ) -> str:
     """Return the content of ``vectors.json``; empty for a system that is not covered."""
-    with localcontext(Context(prec=50)), suppress(TooMuchError, UnprovedError):
-        used = system.used_models()
-        has_heat = any("t_ref" in of.values for of in used)  # of batteries, processors
-        if not (system.mission_end or has_heat or any(of.type == "propulsion" for of in used)):
-            lines = _Vectors(system, inputs).lines(inputs)
-            return fitting_file(about, inputs, lines, complete=True)
-    return ""
+    used, own = system.used_models(), {of.id: of for of in system.inputs()}
+    has_heat = any("t_ref" in of.values for of in used)  # of batteries, processors
+    if system.mission_end or has_heat or any(of.type == "propulsion" for of in used):
+        return ""
+    units = (of for of in used if of.type == "k_out_of_n")
+    needed = {input_id(of.name, "available"): of.values["k"] for of in units}
+    known = {of.id: _known(own[of.id], needed, of.factor) for of in inputs if of.id in own}
+    base: dict[str, tuple[Any, Any]] = {id_: values[0] for id_, values in known.items()}
+    columns = [[{id_: of} for of in (*values, _UNKNOWN)] for id_, values in known.items()]
+    is_all = math.prod(map(len, columns)) <= _PATTERNS
+    rows = itertools.product(*columns) if is_all else ([of] for row in columns for of in row)
+    patterns = [("start", reduce(or_, row, base)) for row in rows]
+    patterns += [(f"wrong:{id_}", {**base, id_: (of, None)}) for id_ in base for of in _WRONG]
+
+    def results(given: Values) -> Values | None:
+        pairs = {id_: _UNKNOWN if raw is None else base[id_] for id_, raw in given.items()}
+        return _results(system, pairs)
+
+    def lines() -> Iterator[Run | list[object]]:
+        is_complete = is_all and len(patterns) <= _MOST_RUNS
+        for name, pattern in patterns[:_MOST_RUNS]:
+            expected = _results(system, pattern)
+            is_complete = is_complete and expected is not None
+            raws = {id_: raw for id_, (raw, _) in pattern.items()}
+            yield from [] if expected is None else [Run(name, [Step(0, raws, expected)])]
+        yield from age_rows(inputs, {id_: raw for id_, (raw, _) in base.items()}, results)
+        if not is_complete:
+            raise TooMuchError
+
+    with localcontext(Context(prec=50)):
+        return fitting_file(about, inputs, lines(), complete=True)

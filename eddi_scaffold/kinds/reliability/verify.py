@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from decimal import localcontext
 from typing import TYPE_CHECKING, Any
 
@@ -61,13 +61,13 @@ class _System:
             limits = {"low": -1e12, "high": 1e12}
             self.rules[MISSION_END] = Call("reliability.Rule", ("float",), limits)
         lines = monitor.method("_models", "self")
-        node = lines.returned()
+        self.node = node = lines.returned()
         lines.end()
         written, models = data(node), {}
         for place, model in enumerate(system.used_models()):
             call = written.get(model.name) if isinstance(written, dict) else None
             args = (call.args if isinstance(call, Call) else None) or ()
-            models[model.name] = self._model(place, model, node, args)
+            models[model.name] = self._model(place, model, args)
         emitted.same("models", node, models)
         inputs = [of for of in emitted.declared.inputs if of.id in self.rules]
         rows = ((of.id, of.activate, of.release, round(of.hold * 1e9)) for of in system.thresholds)
@@ -114,9 +114,7 @@ class _System:
         self.uses[model].append(id_)
         return id_
 
-    def _model(
-        self, place: int, model: ComponentModel, node: ast.expr, written: Sequence[Any]
-    ) -> Call:
+    def _model(self, place: int, model: ComponentModel, written: Sequence[Any]) -> Call:
         """Return the call that makes a model; numbers are those written, where they are close."""
         content, values, name = model.content, model.values, model.name
         self.uses[name] = [id_ for used in model.uses for id_ in self.uses[used]]
@@ -146,7 +144,7 @@ class _System:
             rate = float(values["rate"])
             return Call("units.KOutOfN", (values["k"], rate, values["max"], available))
         if model.type == "propulsion":
-            return self._propulsion(place, model, node, written, more)
+            return Call("rotors.Propulsion", tuple(self._rotors(place, model, written)), more)
         level = input_("level") if model.type == "battery" else ""
         if "t_ref" in values:
             keys = ("activation_energy", "t_ref", "t_max")
@@ -154,28 +152,22 @@ class _System:
             more["temperature"] = input_("temperature")
         if level:
             chain, means = exact.battery(values), written[2] if len(written) > 2 else None
-            self._near(node, f"mean lives of {name}", means, exact.lives(chain))
+            self._near(self.node, f"mean lives of {name}", means, exact.lives(chain))
             return Call("battery.Battery", (level, chain.arcs, means, self.system.horizon), more)
         more["load"] = (input_("utilisation"), values["u_max"])
         more |= {"age": float(values["age"])} if values.get("age") else {}
         numbers = float(values["mttf_ref"]), float(values["shape"])
         return Call("processor.Processor", numbers, more)
 
-    def _propulsion(
-        self,
-        place: int,
-        model: ComponentModel,
-        node: ast.expr,
-        written: Sequence[Any],
-        more: Mapping[str, Any],
-    ) -> Call:
+    def _rotors(self, place: int, model: ComponentModel, written: Sequence[Any]) -> Sequence[Any]:
+        """Return the arguments of propulsion."""
         chain, sets = exact.rotors(model.values)
         if self.system.mission_end:
             self._chain(f"Chain{place}", chain)
             ahead = Call(f"Chain{place}", ())
         else:
             rows = written[0].args if written and isinstance(written[0], Call) else None
-            self._near(node, f"rotors of {model.name}", rows, [_ahead(chain, self.system.horizon)])
+            self._near(self.node, f"rotors of {model.name}", rows, [self._ahead(chain)])
             ahead = Call("rotors.Rows", rows)
         count = len(model.values["rates"])
         inputs: Sequence[tuple[str, int | None]]
@@ -186,8 +178,14 @@ class _System:
             ids = (input_id(model.name, f"motor_{motor}") for motor in range(count))
             inputs = [(self._input(model.name, id_, "bool"), None) for id_ in ids]
         by_place = sorted(range(count), key=model.values["positions"].__getitem__)
-        args = ahead, tuple(sets), tuple(inputs[motor] for motor in by_place)
-        return Call("rotors.Propulsion", args, more)
+        return ahead, tuple(sets), tuple(inputs[motor] for motor in by_place)
+
+    def _ahead(self, chain: exact.Markov) -> list[tuple[D, ...]]:
+        """Return for each state: failed and alive at the horizon, mean life in hours."""
+        hours = D(0 if self.system.mission_end else self.system.horizon)
+        failed = after(chain, hours, frozenset(chain.fail))
+        alive = after(chain, hours, frozenset({*range(chain.size)} - {*chain.fail}))
+        return [*zip(failed, alive, exact.lives(chain), strict=True)]
 
     def _near(self, node: ast.AST, what: str, written: Any, expected: Any) -> None:
         """Compare a number, or rows of them, that need not be the same to the last digit."""
@@ -229,7 +227,7 @@ class _System:
         def within(hours: float) -> list[Sequence[D]]:
             return [after(chain, D(hours), frozenset({state})) for state in states]
 
-        ahead = _ahead(chain, 0.0 if system.mission_end else horizon)
+        ahead = self._ahead(chain)
         failed, alive, means = zip(*ahead, strict=True)
         self.emitted.attribute(of, "fail", chain.fail)
         self.emitted.attribute(of, "steps", steps)
@@ -326,13 +324,6 @@ class _System:
             raise UnprovedError(node) from None
         if values[-1] != failure:
             self.emitted.differs(node, f"nodes of {of.node.name} are of another function")
-
-
-def _ahead(chain: exact.Markov, hours: float) -> list[tuple[D, ...]]:
-    """Return for each state: failed and alive at the horizon, mean life in hours."""
-    failed = after(chain, D(hours), frozenset(chain.fail))
-    alive = after(chain, D(hours), frozenset({*range(chain.size)} - {*chain.fail}))
-    return [*zip(failed, alive, exact.lives(chain), strict=True)]
 
 
 def _law(law: Law, age: float, is_observed: bool) -> str:

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.reliability.decision_diagram import TooLargeError, build
-from eddi_scaffold.kinds.reliability.fault_tree import Gate, minimal_cut_sets
+from eddi_scaffold.kinds.reliability.decision_diagram import build
+from eddi_scaffold.kinds.reliability.fault_tree import Gate, TooLargeError, minimal_cut_sets
 from tests.kinds.reliability.trees import compiled
 
 

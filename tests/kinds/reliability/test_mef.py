@@ -8,8 +8,8 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Model, ReadResult
+from eddi_scaffold.kinds.reliability.show import at_start
 from eddi_scaffold.kinds.reliability.system import Law
-from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
 
 DATA = Path(__file__).parents[2] / "data"

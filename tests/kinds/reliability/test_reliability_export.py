@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import has_errors
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability import trial
+from eddi_scaffold.kinds.reliability.show import at_start as at_rest
 from eddi_scaffold.kinds.reliability.show import outline, readme
 from eddi_scaffold.kinds.reliability.system import TYPES, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.write import to_yaml
@@ -96,9 +96,9 @@ BATTERY = (
 def test_what_is_in_order_is_within_its_range(part: str) -> None:
     model, problems = read_text(f"horizon: 1 h\nmodels: {{{part}}}\n")
     assert model is not None, problems
-    start = trial.at_start(model.data)
+    start = at_rest(model.data)
     assert start.valid
-    assert 0.0 < start.p_fail < trial.at_start(model.data, known=False).p_fail
+    assert 0.0 < start.p_fail < at_rest(model.data, known=False).p_fail
 
 
 MOTORS = "models: {m: {type: propulsion, configuration: PNPN, rate: 0.01 1/h}}\n"
