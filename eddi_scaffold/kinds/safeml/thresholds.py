@@ -21,7 +21,6 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.kinds.safeml.scope import Calibration, Metric, Rows
 
-_LARGEST = 1e300
 _AT_ONCE = 2_000_000
 """Numbers of the windows that are compared at once: bounds memory, not the result."""
 
@@ -64,9 +63,8 @@ def largest_statistics(
 
 def autocorrelation(series: Rows) -> tuple[float, int]:
     """Return the largest correlation of neighbouring values, and the series it is of."""
-    finite = np.clip(series, -_LARGEST, _LARGEST)
-    largest = np.abs(finite).max(axis=1, keepdims=True)
-    scaled = finite / np.where(largest > 0.0, largest, 1.0)  # squares stay numbers
+    largest = np.abs(series).max(axis=1, keepdims=True)
+    scaled = series / np.where(largest > 0.0, largest, 1.0)  # squares stay numbers
     centred = scaled - scaled.mean(axis=1, keepdims=True)
     power = (centred * centred).sum(axis=1)
     shifted = (centred[:, :-1] * centred[:, 1:]).sum(axis=1)
