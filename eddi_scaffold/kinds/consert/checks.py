@@ -91,7 +91,6 @@ def _repeated_ids(nodes: Iterable[Any]) -> Iterator[Problem]:
             fields = {"id": shown(node.id), "kind": node.kind, "before": before.kind}
             place = before.place
             there = f"line {place.line}" if place.line else place.path or "the same model"
-            there += f", column {place.col}" if place.line and place.col else ""
             yield problem("C007.duplicate", node.place, **fields, there=there)
 
 

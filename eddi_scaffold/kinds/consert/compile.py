@@ -114,9 +114,7 @@ class _Compilation:
 
     def _program(self) -> tuple[Program, dict[int, str]]:
         """Return the program, and operation -> the element whose value it is."""
-        operations: list[Operation] = []
-        elements: dict[int, str] = {}
-        values: dict[str, int] = {}
+        operations, elements, values = list[Operation](), dict[int, str](), dict[str, int]()
 
         def add(operation: Operation, name: str) -> None:
             operations.append(operation)

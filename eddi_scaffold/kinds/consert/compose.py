@@ -25,21 +25,15 @@ Ref = tuple[str, str]  # Instance name and id
 class Composition:
     """What came of putting ConSerts together."""
 
-    # every demand and required service is met, and no ConSerts wait for each other
-    composable: bool
-    # instance names, providers first; those that could not be accepted are missing
-    order: tuple[str, ...]
-    # (instance, demand) -> (instance, guarantee) pairs that fulfil it, none of which depends on the
-    # instance itself
+    composable: bool  # every need is met, and no ConSerts wait for each other
+    order: tuple[str, ...]  # names of the accepted instances, providers first
+    # demand -> guarantees that fulfil it, none of which depends on the instance of the demand
     bindings: Mapping[Ref, tuple[Ref, ...]]
-    # ids of demands that no ConSert in the set fulfils, as `INSTANCE/ID` where several instances
-    # have a demand of that id
+    # ids of what no ConSert fulfils, as `INSTANCE/ID` where several instances have that id
     unmatched_demands: tuple[str, ...]
-    # ids of required services that no ConSert in the set provides, likewise
     unmatched_services: tuple[str, ...]
     reasons: tuple[str, ...]  # one sentence for each obstacle
-    # services that a file allocates to one that does not do (X009)
-    problems: tuple[Problem, ...] = ()
+    problems: tuple[Problem, ...] = ()  # services that a file allocates wrongly (X009)
 
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``compose --json``."""

@@ -37,12 +37,7 @@ class ConSertOptions:
 
 
 def read_options(options: Options) -> tuple[ConSertOptions | None, list[Problem]]:
-    """Read the ConSert's own keys of ``Model:``.
-
-    ``guarantee_ids`` chooses between the ids of the model (``source``) and SESAME D7.2's class
-    names (``class``); ``debounce: n`` lets a leaf count as TRUE again in the n-th step in a
-    row in which it is; ``filter`` is the general form.
-    """
+    """Read the ConSert's own keys of ``Model:``; ``debounce`` is short for one ``filter``."""
     problems: list[Problem] = []
     ids, debounce, filter_ = (options.values.get(key) for key in OPTION_KEYS)
     if ids not in (None, "source", "class"):
@@ -73,11 +68,10 @@ def read_options(options: Options) -> tuple[ConSertOptions | None, list[Problem]
 def with_default_guarantees(
     conserts: Sequence[ConSert], marks: Sequence[str], file: str
 ) -> tuple[tuple[ConSert, ...], list[Problem]]:
-    """Mark guarantees of a file as default ones, before the ConSerts are checked.
+    """Mark guarantees of a file as default ones, for who may not change the file.
 
-    DEIS 2019 knows default guarantees, which hold always; neither the EDDI nor the YAML of SESAME
-    D7.2 can mark them, and not everybody may change the file. A mark is ``ID``, or ``CONSERT/ID``
-    where several ConSerts have that id; one that fits none or several is an error (C008).
+    A mark is ``ID``, or ``CONSERT/ID`` where several ConSerts have that id; one that fits none or
+    several is an error (C008).
     """
     pairs = {(consert.name, node.id): None for consert in conserts for node in consert.guarantees}
     chosen: set[tuple[str, str]] = set()

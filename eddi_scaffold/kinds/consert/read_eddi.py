@@ -32,7 +32,7 @@ def read_eddi(document: EddiDocument, source: Source) -> tuple[list[model.ConSer
         is_untyped = not document.class_of(package).name
         if is_untyped and document.children(package, names.CONSERTS):
             findings.report("X010.package_type", package)
-    for element in consert_elements(document):
+    for element in _conserts(document):
         reader = _ConSertReader(element, findings)
         name = document.attribute(element, names.NAME) or source.stem
         consert = reader.read(name)
@@ -45,8 +45,8 @@ def read_eddi(document: EddiDocument, source: Source) -> tuple[list[model.ConSer
     return conserts, findings.problems()
 
 
-def consert_elements(document: EddiDocument) -> Iterator[Element]:
-    """Yield the elements that hold a ConSert, of both dialects, in document order."""
+def _conserts(document: EddiDocument) -> Iterator[Element]:
+    """Yield the ConSerts of both dialects, in document order."""
     for package in document.packages():
         class_name = document.class_of(package).name
         if class_name == "consert" and document.is_root(package):

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert import consert as model
-from eddi_scaffold.kinds.consert.read_yaml import Field, Form, Reader, read_full, text_of
+from eddi_scaffold.kinds.consert.read_yaml import Field, Form, Reader, read_full, text_of, word_of
 from eddi_scaffold.kinds.consert.short_texts import (
     RESERVED,
     Refused,
@@ -27,6 +27,7 @@ from eddi_scaffold.yaml_text import nodes as y
 from eddi_scaffold.yaml_text.spans import inside_scalar
 
 _SUBSETS = {"within": "Guarantee", "covers": "Demand"}
+_MATCH = word_of("match", tuple(_SUBSETS))
 
 
 def read_consert(source: Source) -> tuple[model.ConSert | None, list[Problem]]:
@@ -145,11 +146,9 @@ class _Expansion(Reader):
         return y.map_of(place, {**node, "default": "true" if default else None})
 
     def _subset(self, item: _Declared) -> str:
-        match = item.parts.get("match", y.Scalar("within", plain=True))
-        text = text_of(self, match, f"'match' of {item.what}", item.what)
-        if text is not None and text not in _SUBSETS and isinstance(match, y.Scalar):
-            self.unknown_word(match, "match", tuple(_SUBSETS))
-        return _SUBSETS.get(text or "", "Guarantee")
+        match = item.parts.get("match")
+        word = match and _MATCH(self, match, f"'match' of {item.what}", item.what)
+        return _SUBSETS[word or "within"]
 
     def _dimension(self, item: _Declared, what: y.Node | None, subset: str) -> y.Map:
         """Return what is observed, expected or guaranteed: true, categories or ranges."""
@@ -194,10 +193,9 @@ class _Expansion(Reader):
 
     def _refuse(self, node: y.Scalar, refused: Refused, subject: str) -> None:
         """Report what is wrong inside of a text, at its character."""
-        at = y.Scalar(
-            "", plain=True, place=inside_scalar(self._text, node.place, node.text)(refused.offset)
-        )
-        self.report(refused.case, at, hint=refused.hint, subject=subject, **refused.fields)
+        place = inside_scalar(self._text, node.place, node.text)(refused.offset)
+        fields = {"hint": refused.hint, "subject": subject, **refused.fields}
+        self.problems.append(problem(refused.case, place, **fields))
 
     def _join(self, item: _Declared, row: Row) -> None:
         """Add the edges of a row, and the gates that its parentheses need, a row at a time."""

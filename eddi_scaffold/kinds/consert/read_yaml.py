@@ -93,13 +93,8 @@ class Reader:
 
     def unknown_word(self, word: y.Scalar, title: str, known: tuple[str, ...]) -> None:
         """Report a word outside of a closed set."""
-        self.report(
-            "C002.unknown_word",
-            word,
-            kind=title,
-            word=y.shown(word.text),
-            allowed=", ".join(known),
-        )
+        fields = {"word": y.shown(word.text), "allowed": ", ".join(known)}
+        self.report("C002.unknown_word", word, kind=title, **fields)
 
 
 def _or_null(read: Read) -> Read:
@@ -126,7 +121,7 @@ def _bound(node: y.Node) -> model.Bound | None:
 text_of = _scalar(y.as_text, "C002.text")
 
 
-def _word_of(title: str, known: tuple[str, ...]) -> Read:
+def word_of(title: str, known: tuple[str, ...]) -> Read:
     """Return what reads a word of a closed set."""
 
     def read_word(reader: Reader, node: y.Node, what: str, owner: str) -> str | None:
@@ -184,7 +179,7 @@ def _variant_of(title: str, forms: Mapping[str, Form]) -> Read:
 
 _TYPE = Field("type", text_of)
 _SUBSETS = ("Demand", "Guarantee", "Equals", "Intersection")
-_SUBSET = Field("subset", _word_of("subset", _SUBSETS), is_optional=True)
+_SUBSET = Field("subset", word_of("subset", _SUBSETS), is_optional=True)
 _BOUND, _BOOLEAN = _scalar(_bound, "C002.number"), _scalar(y.as_bool, "C002.boolean")
 _ENDS = (Field("start", _BOUND), Field("end", _BOUND))
 _RANGE = _variant_of(
@@ -210,7 +205,7 @@ _DESCRIPTION = Field("description", _or_null(text_of), is_optional=True)
 _DIMENSIONS = Field("dimensions", _list_of(_DIMENSION, "a dimension of {owner}", may_be_empty=True))
 _DEFAULT = Field("default", _BOOLEAN, is_optional=True)
 _RANKING = Field("ranking", _or_null(_scalar(y.as_integer, "C002.integer")), is_optional=True)
-_FUNCTION = _word_of("gate function", ("And", "Or"))
+_FUNCTION = word_of("gate function", ("And", "Or"))
 _SERVICE_TYPE = Field("functional_service_type", text_of)
 _IDS = _list_of(text_of, "a member of {what}", may_be_empty=True)
 _ELEMENTS = {

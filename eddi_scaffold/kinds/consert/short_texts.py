@@ -6,6 +6,7 @@ They hold no more than that, so a mistake is told at its character, with what to
 from __future__ import annotations
 
 import re
+from collections import deque
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -56,9 +57,9 @@ def parse_expression(text: str) -> Row:
     Raises:
         Refused: it is none.
     """
-    parser = _Parser(text)
-    row = parser.row(0)
-    parser.expect_word_or("")
+    tokens = deque([*_tokens(text), _Token("", len(text.rstrip()), "")])
+    row = _row(tokens, 0)
+    _expect(tokens[0], "")
     return row
 
 
@@ -73,43 +74,35 @@ def _tokens(text: str) -> Iterator[_Token]:
         yield _Token(id_ or symbol or match["quoted"] or "", start, id_.upper())
 
 
-class _Parser:
-    def __init__(self, text: str) -> None:
-        self.at, self.tokens = 0, [*_tokens(text), _Token("", len(text.rstrip()), "")]
+def _row(tokens: deque[_Token], depth: int) -> Row:
+    if depth > _DEEPEST:
+        raise Refused("C002.nested", tokens[0].start, limit=_DEEPEST)
+    word, terms = "", [_term(tokens, depth)]
+    while tokens[0].word in {"AND", "OR"}:
+        joint = tokens.popleft()
+        if word and word != joint.word:
+            raise Refused("C002.mixed", joint.start)
+        word = joint.word
+        terms.append(_term(tokens, depth))
+    return _joined(word or "AND", terms)
 
-    @property
-    def token(self) -> _Token:
-        return self.tokens[self.at]
 
-    def row(self, depth: int) -> Row:
-        if depth > _DEEPEST:
-            raise Refused("C002.nested", self.token.start, limit=_DEEPEST)
-        word, terms = "", [self.term(depth)]
-        while self.token.word in {"AND", "OR"}:
-            joint = self.token
-            if word and word != joint.word:
-                raise Refused("C002.mixed", joint.start)
-            word, self.at = joint.word, self.at + 1
-            terms.append(self.term(depth))
-        return _joined(word or "AND", terms)
+def _term(tokens: deque[_Token], depth: int) -> Term | Row:
+    token = tokens.popleft()
+    if token.text in {"", ")"} or token.word in {"AND", "OR"}:
+        raise Refused("C002.term", token.start)
+    if token.text != "(":
+        return Term(token.text, token.start)
+    row = _row(tokens, depth + 1)
+    _expect(tokens.popleft(), ")")
+    return row
 
-    def term(self, depth: int) -> Term | Row:
-        token = self.token
-        if token.text in {"", ")"} or token.word in {"AND", "OR"}:
-            raise Refused("C002.term", token.start)
-        self.at += 1
-        if token.text != "(":
-            return Term(token.text, token.start)
-        row = self.row(depth + 1)
-        self.expect_word_or(")")
-        self.at += 1
-        return row
 
-    def expect_word_or(self, text: str) -> None:
-        """Refuse what follows a term unless it is a text, empty for the end."""
-        if self.token.text != text:
-            case = "C002.no_word" if self.token.text else "C002.closing"
-            raise Refused(case, self.token.start, word=y.shown(self.token.text))
+def _expect(token: _Token, text: str) -> None:
+    """Refuse a token other than a text, empty for the end."""
+    if token.text != text:
+        case = "C002.no_word" if token.text else "C002.closing"
+        raise Refused(case, token.start, word=y.shown(token.text))
 
 
 def _joined(word: str, terms: list[Term | Row]) -> Row:

@@ -43,21 +43,17 @@ class SafeMLSettings:
     reference_sample_file: str = field(compare=False)  # CSV, relative to the configuration
     significance_level: float  # probability of a false violation per step, over all tests
     metric: Metric
-    # principal components; `None`: the features themselves are tested
-    n_components: int | None = None
+    n_components: int | None = None  # principal components; `None`: the features themselves
     standardize: bool = False  # divide features by their standard deviation before
     residual_test: bool = True  # test what the components leave out as well
-    # thresholds for dependent samples from the reference (`stream`), or theoretical ones (`iid`),
-    # or as the length of the reference allows (`auto`)
-    calibration: str = "auto"
+    calibration: str = "auto"  # thresholds for dependent samples (`stream`), theoretical (`iid`)
     calibration_stride: int | None = None  # distance of successive calibration windows
     stride: int = 1  # only every so manieth sample enters the window
     on_omission: str = "hold"  # whether the last verdict is kept while there is none (`hold`)
-    # seconds without a sample after which the window is emptied; `None`: ten periods of the monitor
-    max_age: float | None = None
+    max_age: float | None = None  # seconds until the window is emptied; `None`: ten periods
     input_dtype: str = "auto"  # `auto`: by the type of the message
     array_backend: str = "numpy"  # library of the arrays at run time
-    # key -> place of its value; `""`: of the file
+    # of the values of keys; `""`: of the file
     places: Mapping[str, Place] = field(default_factory=dict, compare=False, hash=False)
 
     def place(self, key: str) -> Place:
@@ -173,8 +169,7 @@ class Plan:
     calibration: Calibration | None  # `None` when samples count as independent
     threshold: float  # what is used; never below the theoretical one
     method: str  # how the theoretical threshold was found: `exact`, `asymptotic` or `limit`
-    # the largest of neighbouring reference values, and the test it is of
-    autocorrelation: tuple[float, int]
+    autocorrelation: tuple[float, int]  # of neighbouring reference values, and of which test
 
     @property
     def n(self) -> int:

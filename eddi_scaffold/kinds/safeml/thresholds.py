@@ -21,7 +21,6 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.kinds.safeml.scope import Calibration, Metric, Rows
 
-_LARGEST = 1e300
 _AT_ONCE = 2_000_000
 """Numbers of the windows that are compared at once: bounds memory, not the result."""
 
@@ -31,9 +30,8 @@ def calibrate(
 ) -> Calibration:
     """Slide windows over series and take the quantile of their largest statistics.
 
-    The series are (K, rows) in time order, at least one window long. There are ``stride`` rows
-    between two samples of a window, and ``distance`` rows between two windows; the level is that of
-    all tests together.
+    The series are (K, rows) in time order, at least one window long; ``stride`` is in rows between
+    samples, ``distance`` between windows; the level is that of all tests together.
     """
     maxima = np.sort(largest_statistics(comparison, series, stride=stride, distance=distance))
     # the level as a person wrote it: 1 - 0.1 is not 0.9 in binary
@@ -64,9 +62,8 @@ def largest_statistics(
 
 def autocorrelation(series: Rows) -> tuple[float, int]:
     """Return the largest correlation of neighbouring values, and the series it is of."""
-    finite = np.clip(series, -_LARGEST, _LARGEST)
-    largest = np.abs(finite).max(axis=1, keepdims=True)
-    scaled = finite / np.where(largest > 0.0, largest, 1.0)  # squares stay numbers
+    largest = np.abs(series).max(axis=1, keepdims=True)
+    scaled = series / np.where(largest > 0.0, largest, 1.0)  # squares stay numbers
     centred = scaled - scaled.mean(axis=1, keepdims=True)
     power = (centred * centred).sum(axis=1)
     shifted = (centred[:, :-1] * centred[:, 1:]).sum(axis=1)
@@ -83,11 +80,7 @@ _LARGE, _SMALL = 1e250, 1e-250
 
 
 def theoretical(metric: Metric, n: int, m: int, level: float) -> tuple[float, str]:
-    """Return the critical value of one test and how it was found.
-
-    It is the whole number n m D of Kolmogorov-Smirnov (``exact`` or ``asymptotic``), or the
-    statistic (``limit``).
-    """
+    """Return the critical value of one test, of KS as n m D, and how it was found."""
     if metric != "ks":
         return critical_value(metric, level, n, m), "limit"
     if n * m > MOST_EXACT:
@@ -177,8 +170,7 @@ def limit_quantile(metric: str, level: float) -> float:
 def moments(metric: str, n: int, m: int) -> tuple[float, float]:
     """Return mean and variance of ``cvm`` or ``ad`` for samples of n and m, without ties.
 
-    Anderson-Darling: Scholz and Stephens (1987), section 2, for two samples; the variance is 0
-    where they give none (N < 4).
+    Anderson-Darling: Scholz and Stephens (1987), section 2; the variance is 0 for n + m < 4.
     """
     total = n + m
     if metric == "cvm":
@@ -207,10 +199,9 @@ def critical_value(metric: str, level: float, n: int, m: int) -> float:
 
 
 def critical_values(metric: str, n: int, m: int) -> tuple[list[tuple[float, float]], float]:
-    """Return the law of ``cvm`` or ``ad`` for samples of n and m.
+    """Return ascending critical values of ``cvm`` or ``ad`` with levels, and the slope beyond.
 
-    That are (critical value, level), ascending values, and the growth of the value per unit of
-    -ln(level) beyond them; both are empty where the statistic has no variance.
+    The slope is per unit of -ln(level); there are no values where the statistic has no variance.
     """
     _, variance = moments(metric, n, m)
     if variance <= 0.0:

@@ -14,7 +14,7 @@ from eddi_scaffold.common.escaping import markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.identifiers import TODO
-from eddi_scaffold.common.problems import EddiError, Problem, has_errors, in_order, problem
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, in_order
 from eddi_scaffold.conditions.lags import lags
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
 from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
@@ -95,13 +95,8 @@ class StateMachineModel(kinds.Model):
 
     def write(self) -> Mapping[str, str]:
         """Return the EDDI itself, of which only the state machine counts in a file of this name."""
-        try:
-            text = self.source.data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            fields = {"subject": f"the encoding of {self.source.file_name}", "format": "UTF-8"}
-            raise EddiError(problem("G004.unsaid", self.place, **fields)) from None
         suffix = ".json" if self.source.name.lower().endswith(".json") else ".xml"
-        return {f"{self.safe_name}{SUFFIX}{suffix}": text}
+        return {f"{self.safe_name}{SUFFIX}{suffix}": self.source.text("X001")}
 
     def diagram(self) -> Diagram:
         nodes = []

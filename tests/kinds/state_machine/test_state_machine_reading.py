@@ -159,7 +159,7 @@ def test_text_that_is_no_utf_8_is_not_kept() -> None:
     (model,) = read_models(source).models
     with pytest.raises(EddiError) as refused:
         model.write()
-    assert [problem.case for problem in refused.value.problems] == ["G004.unsaid"]
+    assert [problem.case for problem in refused.value.problems] == ["X001.encoding"]
 
 
 def test_json_without_names_is_told_by_ends_and_functions() -> None:
