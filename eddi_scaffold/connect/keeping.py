@@ -14,7 +14,7 @@ from eddi_scaffold.config.topic_block import ConfigText
 from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, items_of, read_map, text_of
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, read_map, text_of
 from eddi_scaffold.yaml_text.spans import Span, TextEditor, comments, spans
 
 _OUTPUTS = ("EDDIOutputs", "EDDIOoutputs", "EDDIOOutputs")
@@ -217,12 +217,10 @@ def model_id(root: Map) -> str | None:
     return name if name and name != TODO else None
 
 
-def topics_of(root: Map) -> list[RobotTopic]:
+def topics_of(document: ConfigText) -> list[RobotTopic]:
     """Return the topics of a configuration, the first of each id."""
     topics: dict[str, RobotTopic] = {}
-    for item in items_of(root.get("SimulatorOutputs") or root.get("SimulatorOutput")):
-        id_, type_, topic = (text_of(item, key) for key in ("id", "type", "topic"))
-        if id_ and type_ and topic:
-            message = type_.replace("/msg/", "/").replace(".", "/")
-            topics.setdefault(id_, RobotTopic(id_, message, topic))
+    for old in (entry for entry in document.old if entry.type):
+        message = old.type.replace("/msg/", "/").replace(".", "/")
+        topics.setdefault(old.id, RobotTopic(old.id, message, old.topic))
     return list(topics.values())

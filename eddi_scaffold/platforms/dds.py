@@ -90,8 +90,7 @@ def definitions_of(
         unknown = [name for name in names if name not in known]
         for name in unknown:
             case = "K048.dds_type" if name == type_ else "K048.part"
-            fields = {"type": type_} if name == type_ else {"part": name, "type": type_}
-            problems.append(problem(case, place, **fields))
+            problems.append(problem(case, place, type=type_, part=name))
         hashes += [] if unknown else [{"name": type_, "hash": type_hash(type_, known)}]
     definitions: list[JsonValue] = [
         {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}
