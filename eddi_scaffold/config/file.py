@@ -213,11 +213,6 @@ def _sorted(value: Any, key: str = "") -> Any:
     }
 
 
-def about_file(problem: Problem, name: str, place: Place) -> Problem:
-    """Report the file of a problem at the place where it is named."""
-    return replace(problem, message=f"{name!r}: {problem.message}", place=place)
-
-
 def existing_file(of: str, name: str, place: Place) -> Path:
     """Return where a file is that another one names at a place.
 
@@ -228,7 +223,8 @@ def existing_file(of: str, name: str, place: Place) -> Path:
         path = next_to(of, name)
         path.stat()
     except EddiError as failure:
-        raise EddiError(*(about_file(p, name, place) for p in failure.problems)) from None
+        about = (p.about(repr(name)) for p in failure.problems)  # at the place where it is named
+        raise EddiError(*(replace(fault, place=place) for fault in about)) from None
     except (OSError, ValueError):
         hint = f"a name is relative to the folder of {Path(of).name}"
         raise EddiError(problem("F001.no_file", place, hint=hint, name=name)) from None

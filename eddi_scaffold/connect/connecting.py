@@ -33,6 +33,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.config_reading import read_configs
 from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
 from eddi_scaffold.monitors.message_types import known_messages
+from eddi_scaffold.monitors.publications import messages_of
 from eddi_scaffold.mros.topics import slug
 from eddi_scaffold.yaml_text.nodes import Map, items_of, scalars_of, text_of, value_11
 
@@ -88,17 +89,16 @@ def _claims(monitor: BoundMonitor) -> Iterator[Fulfilment]:
     model = monitor.model
     ids, parts = model.element_keys(), list(model.separate_outputs())
     own = {claim.id: [claim.id] for claim in monitor.facts.claims}
-    messages = {"": monitor.kind.output_message, **model.companion_messages()}
     for output in monitor.config.config.EDDIOutputs if monitor.config is not None else ():
         if output.field is not None:
             continue
         meanings = model.meanings(monitor.facts.claims_on(output.event))
         on_topic = [output.event] if output.event is not None else parts
         only = on_topic if len(on_topic) == 1 else []
-        for name, message in messages.items():
+        for name, type_ in messages_of(monitor).items():
             topic_name = f"{output.topic}/{name}" if name else output.topic
-            topic = RobotTopic(output.id, f"eddi_messages/{message}", topic_name)
-            for path, meaning in meanings.get(message, {}).items():
+            topic = RobotTopic(output.id, type_, topic_name)
+            for path, meaning in meanings.get(topic.message, {}).items():
                 if meaning.silent != _SILENT:
                     continue
                 head, is_list, tail = path.partition("[].")
@@ -182,7 +182,7 @@ def connect(
     values = value_11(section) if isinstance(section, Map) else {}
     declared_inputs = tuple(DeclaredInput(id_, None, None, None, model.place) for id_ in ids)
     drafted = model.draft(Options(values=values, inputs=declared_inputs))
-    topics = topics_of(document.root)
+    topics = topics_of(document)
     recorded = _recorded(surroundings.topics, topics, package)
     topics += recorded
     others: list[BoundMonitor] = []

@@ -132,24 +132,20 @@ def _choice(decision: Decision) -> list[str]:
         head = "1 candidate, not sure" if count == 1 else f"{count} candidates, take one"
     else:
         head = "no topic fits"
-    return [head, *(f"  {_line(candidate)}" for candidate in candidates)]
-
-
-def _line(candidate: Candidate) -> str:
-    """Return a candidate as it can be written in place of TODO."""
-    line, unit = ", ".join(_texts(_origin(candidate))), candidate.access.unit
-    unit = f" with unit: {quoted(unit)}" if unit is not None else ""
-    return f"{line}{unit}   {_points(candidate)}"
+    lines = [head]
+    for candidate in candidates:  # each as it can be written in place of TODO
+        line, unit = ", ".join(_texts(_origin(candidate))), candidate.access.unit
+        with_unit = f" with unit: {quoted(unit)}" if unit is not None else ""
+        lines.append(f"  {line}{with_unit}   {_points(candidate)}")
+    return lines
 
 
 def _origin(candidate: Candidate) -> dict[str, str]:
     """Return keys and texts that say where the value comes from."""
     use, id_ = candidate.access, candidate.topic.id
-    if use.key == "expression":
-        return {"from": use.text}
-    path = f"{id_}.{use.text}"
-    if PATH.fullmatch(path):
-        return {"from": path}
+    text = use.text if use.key == "expression" else f"{id_}.{use.text}"
+    if use.key == "expression" or PATH.fullmatch(text):
+        return {"from": text}
     return {"requires": id_, "field": use.text}  # an id that is no word of a condition
 
 

@@ -222,12 +222,10 @@ def model_id(root: Map) -> str | None:
     return name if name and name != TODO else None
 
 
-def topics_of(root: Map) -> list[RobotTopic]:
+def topics_of(document: ConfigText) -> list[RobotTopic]:
     """Return the topics of a configuration, the first of each id."""
     topics: dict[str, RobotTopic] = {}
-    for item in items_of(root.get("SimulatorOutputs") or root.get("SimulatorOutput")):
-        id_, type_, topic = (text_of(item, key) for key in ("id", "type", "topic"))
-        if id_ and type_ and topic:
-            message = type_.replace("/msg/", "/").replace(".", "/")
-            topics.setdefault(id_, RobotTopic(id_, message, topic))
+    for old in (entry for entry in document.old if entry.type):
+        message = old.type.replace("/msg/", "/").replace(".", "/")
+        topics.setdefault(old.id, RobotTopic(old.id, message, old.topic))
     return list(topics.values())

@@ -63,16 +63,12 @@ class Filters:
     # leave out types of `dynamic_reconfigure`, `rcl_interfaces`, `bond` and `lifecycle_msgs`
     no_infrastructure: bool = False
 
-    def keeps_name(self, name: str) -> bool:
-        """Return whether a topic of this name is kept."""
-        return not self.topics or _matches([name], self.topics)
-
     def keeps(self, topic: Topic) -> bool:
         """Return whether a topic is kept."""
         if self.no_infrastructure and topic.type.partition("/")[0] in _INFRASTRUCTURE:
             return False
         is_provided = not self.components or _matches(topic.components, self.components)
-        return is_provided and self.keeps_name(topic.topic)
+        return is_provided and (not self.topics or _matches([topic.topic], self.topics))
 
 
 def _matches(names: Iterable[str], globs: Sequence[str]) -> bool:
@@ -157,7 +153,7 @@ def parse(
     after, notes = document.text, list[Problem]()
     if outputs.topics or not has_errors(problems):
         written = [*filter(writes, outputs.topics)]
-        after, notes = rewritten(document, written, {*filter(filters.keeps_name, lost)})
+        after, notes = rewritten(document, written, lost)
     problems += notes
     # the configuration is quoted as it was read: what is printed comes after it is rewritten
     own = [reported for reported in problems if reported.place.file == document.name]

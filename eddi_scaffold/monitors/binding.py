@@ -138,7 +138,9 @@ def monitor_of(
     accepted: list[Acceptance] = []
     for index, entry in enumerate(entries):
         accepted_here = [*input_rules.of_input(entry, inputs[entry.id], index)]
-        inputs[entry.id] = replace(inputs[entry.id], accepts=input_rules.keys(accepted_here))
+        keys = dict.fromkeys(acceptance.key for acceptance in accepted_here)
+        keys.pop(input_rules.LIMITLESS, None)  # which the runtime sees in another field
+        inputs[entry.id] = replace(inputs[entry.id], accepts=tuple(keys))
         accepted += accepted_here
     try:
         compiled, facts = compile_monitor(model, tuple(inputs.values()), accepted, frequency, place)

@@ -98,9 +98,7 @@ def from_json(text: object) -> MonitorFacts:
     return facts
 
 
-@cache
-def _adapter() -> TypeAdapter[MonitorFacts]:
-    return TypeAdapter(MonitorFacts)
+_adapter = cache(lambda: TypeAdapter(MonitorFacts))
 
 
 _FOR_PEOPLE = {"about", "at", "description"}  # Fields that nothing computes with

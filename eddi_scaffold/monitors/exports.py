@@ -56,9 +56,8 @@ def standalone(monitor: BoundMonitor, target: Target, name: str) -> StandaloneMo
     model, kind = monitor.model, monitor.kind
     program = monitor.compiled.program if target == "c" else None
     if program is None:
-        raise EddiError(
-            problem("E026.kind", model.place, target=target, title=kind.title, model=model.name)
-        )
+        fields = {"target": target, "title": kind.title, "model": model.name}
+        raise EddiError(problem("E026.kind", model.place, **fields))
     source = (f"{kind.title} {model.name}", f"{model.source.file_name} {model.place.path or ''}")
     return named(program, name, source, kind=kind.name)
 

@@ -6,7 +6,7 @@ the monitor reports at run time which are in use.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 from eddi_runtime.inputs import UNSAFE_DEFAULT
@@ -26,14 +26,14 @@ from eddi_scaffold.config.schema import InputEntry
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
 from eddi_scaffold.program.input_expressions import BoundInput
 
-_LIMITLESS = "max_age: none"
+LIMITLESS = "max_age: none"
 
 
 def of_input(entry: InputEntry, bound: BoundInput, index: int) -> Iterator[Acceptance]:
     """Yield what an entry of ``EDDIInputs`` accepts."""
     path = ("EDDIInputs", index)
     if bound.max_age == "none":
-        yield Acceptance(_LIMITLESS, "the last value", input=entry.id, path=(*path, "max_age"))
+        yield Acceptance(LIMITLESS, "the last value", input=entry.id, path=(*path, "max_age"))
     if entry.allow_unsafe_default and entry.default not in (None, False):
         text, key = f"the default {entry.default!r}", UNSAFE_DEFAULT.partition(":")[0]
         until = "until the first message"
@@ -43,12 +43,6 @@ def of_input(entry: InputEntry, bound: BoundInput, index: int) -> Iterator[Accep
         (result,) = part["program"].results
         for silence in accepted(part["program"], result.operation):
             yield replace(silence, input=entry.id, path=(*path, key), at=None)
-
-
-def keys(accepted: Iterable[Acceptance]) -> tuple[str, ...]:
-    """Return the keys of an input that the runtime cannot see in its other fields."""
-    names = (acceptance.key for acceptance in accepted)
-    return tuple(dict.fromkeys(name for name in names if name != _LIMITLESS))
 
 
 def kind_of_message(type_: str) -> Kind | None:

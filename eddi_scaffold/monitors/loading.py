@@ -31,7 +31,6 @@ from eddi_scaffold.monitors.spellings import kinds_of_type
 from eddi_scaffold.yaml_text.nodes import read_map
 
 YAML_SUFFIXES = (".yml", ".yaml")
-_HEAD = 4096
 _CONSERT_KEYS = {"guarantees", "demands", "evidence", "gates", "tree_propagations"}
 
 
@@ -53,8 +52,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
     for kind in kinds().values():
         if kind.recognises(source):
             return kind.model_class.read_file(source, default_guarantees)
-    head = source.data[:_HEAD]
-    if len(head) < _HEAD and not head.strip():
+    if not source.data.strip():
         return ReadResult((), (problem("F003.empty", place),))
     if is_xml(source):
         return _read_eddi(source, default_guarantees)
@@ -76,7 +74,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
     if name.endswith(".csv"):
         return ReadResult((), (problem("F003.recording", place),))
     titles = ", ".join(kind.title for kind in kinds().values())
-    case = "F003.binary" if b"\0" in head else "F003.unknown"
+    case = "F003.binary" if b"\0" in source.data else "F003.unknown"
     try:
         source.data.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -18,8 +18,6 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, STATUS, Publication, publications
 from eddi_scaffold.monitors.robots import check_fleet, fleet_answers, fleet_message
 
-_OF_ITS_OWN = "give each output a topic of its own"
-
 
 @dataclass(frozen=True)
 class MonitorNode:
@@ -150,7 +148,7 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
     read = {monitor.topic(entry.topic) for entry in config.config.SimulatorOutputs}
     first: dict[str, Publication] = {}
     for publication in node.published:
-        written, place, hint = publication.output.topic, publication.place, _OF_ITS_OWN
+        written, place = publication.output.topic, publication.place
         topic = monitor.topic(written)
         if topic in read:
             yield problem("K031.own_output", place, written=written)
@@ -158,11 +156,11 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
         is_below = publication.of and not publication.path
         if other.type != publication.type:
             types = {"type": other.type, "other": publication.type}
-            yield problem("K031.two_types", place, hint=hint, written=written, **types)
+            yield problem("K031.two_types", place, written=written, **types)
         # A reader takes them for one: messages of two events have ids. What is published below
         # the topic of a result is reported there.
         events = {other.output.event, publication.output.event}
         is_mixed = (len(events) == 1 or None in events) and not is_below
         if other.type == publication.type and other is not publication and is_mixed:
             names = {"first": other.output.id, "second": publication.output.id}
-            yield problem("K031.two_outputs", place, hint=hint, written=written, **names)
+            yield problem("K031.two_outputs", place, written=written, **names)

@@ -60,25 +60,22 @@ def publications(
             begins = getattr(path[0], "name", "")  # the first message that has it, else the result
             has_it = (name for name, type_ in messages.items() if begins in known_messages()[type_])
             of = next(has_it, "")
-            end = _value_at(path, messages[of])
+            whole, type_ = _value_at(path, messages[of])
         except field_paths.FieldPathError as failure:
             place, advice = places("field"), failure.hint
             problems.append(problem("K020.field", place, hint=advice, reason=failure))
             continue
         plain = [field_paths.plain_step(step) for step in path]
         problems += check_path(output.field, plain, monitor, places("field"))
-        type_, place = _std_msgs(end), places("topic")
-        published.append(Publication(output, type_, place, messages[of], end.path, of))
+        published.append(Publication(output, type_, places("topic"), messages[of], whole, of))
     for topic in monitor.model.own_topics():
         path = tuple(
             field_paths.Attribute(s) if isinstance(s, str) else field_paths.ByKey(s[1])
             for s in topic.path
         )
-        end = _value_at(path, messages[topic.of])
+        whole, type_ = _value_at(path, messages[topic.of])
         own = _output(topic.id, topic.topic)
-        published.append(
-            Publication(own, _std_msgs(end), topic.place, messages[topic.of], end.path, topic.of)
-        )
+        published.append(Publication(own, type_, topic.place, messages[topic.of], whole, topic.of))
     return published, problems
 
 
@@ -112,17 +109,12 @@ def _output(name: str, topic: str) -> OutputEntry:
     return OutputEntry.model_construct(id=name, topic=topic, field=None, event=None)
 
 
-def _value_at(path: field_paths.FieldPath, message: str) -> field_paths.ResolvedPath:
-    """Return a path with its keys; FieldPathError where no single value is at its end."""
+def _value_at(path: field_paths.FieldPath, message: str) -> tuple[field_paths.FieldPath, str]:
+    """Return a path with its keys, and the type of ``std_msgs`` for the single value at its end."""
     resolved = field_paths.resolve(path, message, known_messages().get)
     if resolved.type not in _OF_STD_MSGS:
         raise field_paths.FieldPathError(f"the path ends at {resolved.type}, not at a single value")
-    return resolved
-
-
-def _std_msgs(end: field_paths.ResolvedPath) -> str:
-    assert end.type is not None
-    return f"std_msgs/{_OF_STD_MSGS[end.type]}"
+    return resolved.path, f"std_msgs/{_OF_STD_MSGS[resolved.type]}"
 
 
 _LONG = 100.0  # Seconds of a limit that are more likely meant as milliseconds

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from eddi_scaffold.common.escaping import python_literal
@@ -33,8 +34,8 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
     fleet, frequency = config.config.Fleet, config.config.Model.frequency
     if fleet is not None:
         if fleet_message(monitor.kind) is None:
-            title = monitor.kind.title
-            yield problem("K080.guarantees_nothing", config.place("Fleet"), kind=title)
+            place = config.place("Fleet")
+            yield problem("K080.guarantees_nothing", place, kind=monitor.kind.title)
         least, place = _PERIODS / frequency, config.place("Fleet", "lease")
         if fleet.lease < least:
             lease = fleet.lease
@@ -53,23 +54,20 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
             place = config.place("EDDIInputs", order.index(name))
             yield problem("K083.remembering", place, **fields)
     for index, source in enumerate(config.config.SimulatorOutputs):
-        place, place_of_type, place_of_topic = (
-            config.place("SimulatorOutputs", index, key) for key in ("peers", "type", "topic")
-        )
+        at = partial(config.place, "SimulatorOutputs", index)
         if source.peers is None:
             if source.type == MESSAGE:
-                yield problem("K081.no_peers", place_of_type, source=source.id)
+                yield problem("K081.no_peers", at("type"), source=source.id)
             continue
         if fleet is None:
-            yield problem("K080.no_name", place, source=source.id)
+            yield problem("K080.no_name", at("peers"), source=source.id)
             continue
         if source.type != MESSAGE:
-            yield problem("K081.peers_of_other", place_of_type, source=source.id, message=MESSAGE)
+            yield problem("K081.peers_of_other", at("type"), source=source.id, message=MESSAGE)
         if full_topic(source.topic, "", "") != full_topic(fleet.topic, "", ""):
-            own, others = source.topic, fleet.topic
-            yield problem("K081.topic", place_of_topic, topic=own, fleet_topic=others)
+            yield problem("K081.topic", at("topic"), topic=source.topic, fleet_topic=fleet.topic)
         if fleet.robot in source.peers.robots and source.peers.robots != "any":
-            yield problem("K080.own_word", place, robot=fleet.robot)
+            yield problem("K080.own_word", at("peers"), robot=fleet.robot)
     # inputs whose value is not that of the guarantee by which their word is chosen
     of_source = {s.id: s.peers.guarantee for s in config.config.SimulatorOutputs if s.peers}
     by_name = {attribute(id_): guarantee for id_, guarantee in of_source.items()}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -37,7 +36,6 @@ _IDS = {
 }  # fmt: skip
 _NESTED, _ARRAY, _SEQUENCE = 1, 48, 144
 _EMPTY = {"structure_needs_at_least_one_member": "uint8"}
-_TYPE = re.compile(r"([\w/]+)(\[(\d*)\])?")
 _Description = dict[str, object]
 
 
@@ -57,10 +55,8 @@ def _described(name: str, fields: Fields) -> _Description:
 
 
 def _type(of: str) -> _Description:
-    match = _TYPE.fullmatch(of)
-    assert match is not None, of
-    item, array, length = match.groups()
-    kind = 0 if array is None else _ARRAY if length else _SEQUENCE
+    item, is_list, length = of.removesuffix("]").partition("[")
+    kind = (_ARRAY if length else _SEQUENCE) if is_list else 0
     return {
         "type_id": _IDS.get(item, _NESTED) + kind,
         "capacity": int(length or 0),
@@ -90,8 +86,7 @@ def definitions_of(
         unknown = [name for name in names if name not in known]
         for name in unknown:
             case = "K048.dds_type" if name == type_ else "K048.part"
-            fields = {"type": type_} if name == type_ else {"part": name, "type": type_}
-            problems.append(problem(case, place, **fields))
+            problems.append(problem(case, place, type=type_, part=name))
         hashes += [] if unknown else [{"name": type_, "hash": type_hash(type_, known)}]
     definitions: list[JsonValue] = [
         {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}

@@ -242,7 +242,7 @@ def _config(folder: Path) -> Made:
         with contextlib.suppress(EddiError):
             block = read_block(source)
             rewritten(block, [])
-            drafted = _drafted(topics_of(block.root), sample.name)
+            drafted = _drafted(topics_of(block), sample.name)
             with_draft(block, drafted)
         yield
         yield from _configured(model_of[sample.name], path)

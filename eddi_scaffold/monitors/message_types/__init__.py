@@ -66,6 +66,9 @@ def ros2_fields(fields: Fields) -> dict[str, str]:
     }
 
 
+_packages = cache(rospkg.RosPack)
+
+
 @cache
 def installed_message(name: str) -> Fields | None:
     """Return the fields of ``package/Type``; ``None`` when this machine does not have it."""
@@ -79,8 +82,3 @@ def installed_message(name: str) -> Fields | None:
             text = read_regular(folder / "msg" / f"{message}.msg").decode("utf-8", "replace")
             return fields_of(text, package)
     return None
-
-
-@cache
-def _packages() -> rospkg.RosPack:
-    return rospkg.RosPack()
