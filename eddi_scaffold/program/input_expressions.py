@@ -111,9 +111,10 @@ class Names:
         self._kinds: Mapping[str, Any] = document.get("names") or {}
 
     def split(self, name: str) -> tuple[str, tuple[Any, ...]]:
-        """Return the first part of a name and the path behind it; those with keys are given."""
+        """Split ``temps.data[1]`` into ``temps`` and the path (``data``, 1); some are given."""
         if name not in self._paths:
-            return split_name(name)
+            first, *rest = name.replace("[", ".[").split(".")
+            return first, tuple(int(key[1:-1]) if key.startswith("[") else key for key in rest)
         return name.partition(".")[0].partition("[")[0], _tuple(self._paths[name])
 
     def is_message(self, name: str) -> bool:
@@ -125,12 +126,6 @@ class Names:
         """Return the path of a variable, and the checks of whether it is a measurement."""
         checks = self._checks.get(name, ())
         return [literal(_tuple(path)) for path in (self.split(name)[1], *checks)]
-
-
-def split_name(name: str) -> tuple[str, tuple[str | int, ...]]:
-    """Split the name of a variable: ``temps.data[1]`` -> ``temps``, and the path ``data``, 1."""
-    first, *rest = name.replace("[", ".[").split(".")
-    return first, tuple(int(piece[1:-1]) if piece.startswith("[") else piece for piece in rest)
 
 
 def _tuple(value: Any) -> Any:
