@@ -18,7 +18,7 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.common.problems import EddiError, Place, problem
 
 MAX_BYTES = 64 * 1024 * 1024  # a larger file is nothing that we read
 
@@ -167,7 +167,9 @@ def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
             note_input(stream.fileno())
         data = read_regular(path, limit)
     except OSError as failure:
-        raise EddiError(_unreadable(str(path), failure)) from None
+        hint = "write it to a file first" if isinstance(failure, NotRegularError) else None
+        fields = {"reason": failure.strerror or str(failure)}
+        raise EddiError(problem("F001.unreadable", Place(str(path)), hint=hint, **fields)) from None
     other = other_format(data[:HEAD_BYTES])
     if other is not None:
         raise EddiError(problem("F003.other", Place(str(path)), hint=other[1], other=other[0]))
@@ -208,9 +210,3 @@ def saved_meanwhile(path: Path) -> EddiError:
 
 def _identity(status: os.stat_result) -> tuple[int, int]:
     return status.st_dev, status.st_ino
-
-
-def _unreadable(name: str, failure: OSError) -> Problem:
-    reason = failure.strerror or str(failure)
-    hint = "write it to a file first" if isinstance(failure, NotRegularError) else None
-    return problem("F001.unreadable", Place(name), hint=hint, reason=reason)

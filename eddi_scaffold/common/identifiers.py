@@ -96,12 +96,10 @@ def free_name(base: str, taken: Container[str], mark: str = "_") -> str:
 
 
 def full_topic(name: str, namespace: str, package: str) -> str:
-    """Return the full name of a topic, as ROS resolves it for a node.
+    """Return the full name of a topic, as ROS resolves it for the node of a package.
 
-    Args:
-        name: as in the configuration: absolute, relative, or private with ``~``.
-        namespace: of the robot, such as ``/robot1``; empty for none.
-        package: name of the monitor's package and node.
+    The name may be absolute, relative or private (``~``); the namespace of the robot is such as
+    ``/robot1``, or empty.
     """
     if name.startswith("/"):
         return name

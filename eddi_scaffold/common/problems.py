@@ -74,13 +74,9 @@ class HintedError(ValueError):
 def problem(
     case: str, place: Place = Place(), /, *, hint: str | None = None, **fields: object
 ) -> Problem:
-    """Return the problem of a case of the catalogue.
+    """Return the problem of a case of the catalogue (``K029.long``) with the fields of its texts.
 
-    Args:
-        case: such as ``K029.long``.
-        place: where it was found.
-        hint: one that is computed, where the catalogue has none.
-        **fields: what stands in the text and the hint of the catalogue.
+    A hint is given where it is computed, and the catalogue has none.
     """
     level, text, template = catalogue.case_of(case)
     if template is not None:

@@ -52,11 +52,6 @@ def find(spelling: str | None) -> Unit | None:
     return RATIO if spelling is None else _BY_SPELLING.get(spelling)
 
 
-def spellings() -> list[str]:
-    """Return every spelling that is understood."""
-    return list(_BY_SPELLING)
-
-
 @cache
 def words() -> frozenset[str]:
     """Return the spellings that are names: those of the language of events."""

@@ -89,7 +89,7 @@ def read_robot(system: Path | None, folder: Path) -> Robot:
     """Read a system and all models of its directory (EddiError: one cannot be read)."""
     models = load_models(folder)
     if system is None:
-        return Robot(folder, None, System("", "indent", ""), models, models.problems)
+        return Robot(folder, None, System("", "indent", ""), models, tuple(models.problems))
     try:
         model, problems = load_system(system, folder)
     except EddiError as failed:  # who can go no further sees an error in any case

@@ -101,7 +101,6 @@ _LEGEND = {
     False: "known not to hold, false",
     None: "unknown, which counts as not",
 }
-_LEAST_SHOWN = 10  # characters of a reason below a bar
 
 
 def plot(title: str, tracks: Sequence[Track]) -> str:
@@ -141,7 +140,7 @@ def _bands(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
     told = [(_x(begin, span), reason) for begin, _, _, reason in runs if reason]
     for (x, reason), (end, _) in pairwise([*told, (float(_WIDTH), "")]):
         most = int((end - x) / 5.3) - 1  # characters
-        if most > _LEAST_SHOWN:
+        if most > 10:  # else too little of it could be read
             yield _text(x, y + height + 11, reason, "reason", width=most, title=xml_text(reason))
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem, shortened_list
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
@@ -215,8 +215,7 @@ class Observed:
         return extension_map.owner
 
     def _report_unknown(self, value: Value, name: str, known: Collection[str]) -> None:
-        listed = f"there are: {', '.join(known)}" if known else "there are none in this file"
-        hint = did_you_mean(name, known) or listed
+        hint = did_you_mean(name, known) or f"there are: {shortened_list(known)}"
         self.problems.append(
             problem("X033.unknown", value.place, hint=hint, tag=value.tag, event=name)
         )

@@ -1,9 +1,8 @@
 """What is linked with elements of monitored models: hazards, requirements, events, claims.
 
-A link leads from an element of a model that a monitor is made of to one that nothing monitors by
-itself: what it refers to, what refers to it or to that, what refers to these in turn, and what all
-of these refer to. The elements of the design do not count: a system would link everything with
-everything.
+A link leads from an element of a monitored model to what it refers to, what refers to it or to
+that, and so on, and what all of these refer to. Elements of the design do not count: a system would
+link everything with everything.
 """
 
 from __future__ import annotations

@@ -35,19 +35,16 @@ def parse_fragment(text: str) -> Fragment | None:
 
 class _Children:
     def __init__(self, parent: Element) -> None:
-        self._parent = parent
         self.by_name: dict[str, list[Element]] = {}
         for child in parent.iterchildren():
             self.by_name.setdefault(feature_of(child), []).append(child)
 
     @cached_property
     def by_folded(self) -> dict[str, list[Element]]:
-        if len(self.by_name) == len({fold(name) for name in self.by_name}):
-            return {fold(name): group for name, group in self.by_name.items()}
-        merged: dict[str, list[Element]] = {}
-        for child in self._parent.iterchildren():
-            merged.setdefault(fold(feature_of(child)), []).append(child)
-        return merged
+        folded: dict[str, list[Element]] = {}
+        for name, group in self.by_name.items():
+            folded.setdefault(fold(name), []).extend(group)
+        return folded
 
     @cached_property
     def segments(self) -> dict[Element, str]:

@@ -106,7 +106,7 @@ def load_models(folder: Path) -> Models:
     if not folder.is_dir():
         reason = "it is not a directory" if folder.exists() else "there is no such directory"
         raise EddiError(problem("F001.models", Place(str(folder)), reason=reason))
-    names = []
+    names, models = list[str](), Models()
     for root, folders, files in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith(".")]
         names += [
@@ -114,21 +114,17 @@ def load_models(folder: Path) -> Models:
             for name in files
             if name.endswith((*MODEL_SUFFIXES, SYSTEM_SUFFIX))
         ]
-    models: list[RosModel] = []
-    parts: list[System] = []
-    skipped, problems = [], list[Problem]()
     for name in sorted(names):
+        is_system = name.endswith(SYSTEM_SUFFIX)
         try:
             data = read_source(folder / name).data
-            if name.endswith(SYSTEM_SUFFIX):
-                parts.append(read_rossystem(data, name))
-                continue
-            model = read_ros_models(data, name)
+            if is_system:
+                models.systems.append(read_rossystem(data, name))
+            else:
+                models.files.append(read_ros_models(data, name))
+                models.problems += models.files[-1].problems
         except EddiError as failed:
-            if not name.endswith(SYSTEM_SUFFIX):  # a sub-system that is missing is reported as such
-                problems += failed.problems
-                skipped.append(name)
-            continue
-        problems += model.problems
-        models.append(model)
-    return Models(tuple(models), tuple(parts), tuple(skipped), tuple(problems))
+            if not is_system:  # a sub-system that is missing is reported as such
+                models.problems += failed.problems
+                models.skipped.append(name)
+    return models

@@ -251,17 +251,14 @@ class BraceReader(Cursor):
             elif key == "artifact":
                 package.artifacts += self.block(self._artifact)
             elif key == "Artifact":
-                package.artifacts.append(self._named_artifact())
+                package.artifacts.append(self._artifact())
                 self.accept(",")
             else:
                 self.skip_group()
         return package
 
     def _artifact(self) -> Artifact:
-        self.expect("Artifact")
-        return self._named_artifact()
-
-    def _named_artifact(self) -> Artifact:
+        self.accept("Artifact")
         artifact = Artifact(self.name("the name of the artifact"))
         opened = self.open()
         self.accept("node")

@@ -39,13 +39,11 @@ class Line:
 
 
 def blocks_of(text: Text) -> list[Line]:
-    """Return the lines of the outermost block, each with what is below it.
-
-    The ``---`` with which YAML files begin has no meaning.
+    """Return the lines of the outermost block, each with what is below it, without ``---``.
 
     Raises:
-        MrosSyntaxError: a line has the indentation of no open block. An open quote, comment or
-            ``[`` becomes a token ``bad`` instead: an error above it comes first.
+        MrosSyntaxError: a line has the indentation of no open block. What is never closed becomes a
+            token ``bad`` instead: an error above it comes first.
     """
     root: list[Line] = []
     stack: list[tuple[int, list[Line]]] = []  # indentation around a block, and its lines

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem, shortened_list
@@ -55,14 +55,14 @@ class InterfaceReference:
         return cls(*parts) if len(parts) == 4 and all(parts) else None
 
 
-@dataclass(frozen=True)
+@dataclass
 class Models:
-    """What a directory of models holds, with POSIX paths relative to it."""
+    """What a directory of models holds, in the order of the POSIX paths relative to it."""
 
-    files: tuple[RosModel, ...]  # in the order of their paths
-    systems: tuple[System, ...] = ()  # for sub-systems; in the order of their paths
-    skipped: tuple[str, ...] = ()  # files that could not be read
-    problems: tuple[Problem, ...] = ()  # of the files, which may be readable all the same
+    files: list[RosModel] = field(default_factory=list)
+    systems: list[System] = field(default_factory=list)  # for sub-systems
+    skipped: list[str] = field(default_factory=list)  # files that could not be read
+    problems: list[Problem] = field(default_factory=list)  # of the files, readable or not
 
     @cached_property
     def nodes(self) -> Sequence[NodeModel]:

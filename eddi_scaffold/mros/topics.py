@@ -219,12 +219,8 @@ class _Collector:
 def topic_name(name: str, namespace: str | None, component: str) -> tuple[str, bool]:
     """Resolve a name (``/x``, ``~x`` or relative) as ROS 1 does, with what real models need.
 
-    A relative name that already begins with the namespace and a ``/`` is not given it twice. The
-    last segment of a component is the name of its node.
-
-    Returns:
-        The absolute topic, ``/`` when nothing is left of it; whether the relative name began with
-        the namespace without a ``/`` between.
+    A relative name that begins with the namespace is not given it twice; returned is as well
+    whether it did so without a ``/`` between. The last segment of a component names its node.
     """
     space = (namespace or "").strip("/")
     glued = False

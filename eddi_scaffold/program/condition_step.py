@@ -13,21 +13,14 @@ from eddi_scaffold.program.python_step import Printer, names_of, stamp_name
 
 
 class ConditionStep:
-    """The lines of one program of conditions.
-
-    Args:
-        program: the conditions.
-        inputs: of the monitor, of which the program may read only some.
-        units: input -> unit, for people.
-        arguments: what ``__init__`` takes and passes on.
-    """
+    """The lines of one program of conditions."""
 
     def __init__(
         self,
         program: instructions.Program,
-        inputs: Sequence[BoundInput],
-        units: Mapping[str, str],
-        *arguments: str,
+        inputs: Sequence[BoundInput],  # of the monitor; the program may read only some
+        units: Mapping[str, str],  # of the inputs, for people
+        *arguments: str,  # what `__init__` takes and passes on
     ) -> None:
         self.program, self.inputs, self.units, self.arguments = program, inputs, units, arguments
         self.sampling = instructions.Sampling(program)

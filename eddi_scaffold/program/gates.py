@@ -52,13 +52,9 @@ def fault_of(gates: Mapping[str, Gate], top: str) -> str:
 def program_of(
     gates: Mapping[str, Gate], top: str, inputs: Mapping[str, str], rate: float
 ) -> Program:
-    """Return the program of a cause without a fault.
+    """Return the program of a cause without a fault, stepped ``rate`` times a second.
 
-    Args:
-        gates: by name.
-        top: a gate, or a basic event.
-        inputs: basic event -> the Boolean input that says whether it has happened.
-        rate: steps per second.
+    ``inputs`` name for each basic event the Boolean input that says whether it has happened.
     """
     builder, values = Builder(), dict[str, int]()
 

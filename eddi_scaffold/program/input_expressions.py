@@ -108,29 +108,19 @@ class Names:
     def __init__(self, document: Mapping[str, Any]) -> None:
         self._paths: Mapping[str, Any] = document.get("paths", {})
         self._checks: Mapping[str, Any] = document.get("checks", {})
-        self._kinds: Mapping[str, Any] = document.get("names") or {}
+        self.kinds: Mapping[str, Any] = document.get("names") or {}
 
     def split(self, name: str) -> tuple[str, tuple[Any, ...]]:
-        """Return the first part of a name and the path behind it; those with keys are given."""
+        """Split ``temps.data[1]`` into ``temps`` and the path (``data``, 1); some are given."""
         if name not in self._paths:
-            return split_name(name)
+            first, *rest = name.replace("[", ".[").split(".")
+            return first, tuple(int(key[1:-1]) if key.startswith("[") else key for key in rest)
         return name.partition(".")[0].partition("[")[0], _tuple(self._paths[name])
-
-    def is_message(self, name: str) -> bool:
-        """Return whether a variable is read of a message, not of another input."""
-        kind: str = self._kinds.get(self.split(name)[0], ["message"])[0]
-        return kind == "message"
 
     def field(self, name: str) -> list[Part]:
         """Return the path of a variable, and the checks of whether it is a measurement."""
         checks = self._checks.get(name, ())
         return [literal(_tuple(path)) for path in (self.split(name)[1], *checks)]
-
-
-def split_name(name: str) -> tuple[str, tuple[str | int, ...]]:
-    """Split the name of a variable: ``temps.data[1]`` -> ``temps``, and the path ``data``, 1."""
-    first, *rest = name.replace("[", ".[").split(".")
-    return first, tuple(int(piece[1:-1]) if piece.startswith("[") else piece for piece in rest)
 
 
 def _tuple(value: Any) -> Any:
@@ -180,7 +170,8 @@ def _program(spec: BoundInput, read: Read) -> Program | None:
 
 def _bounded(read: Read, names: Names, limit: int | None) -> Read:
     """Return what is read of a message, which is UNKNOWN when that is older than the limit."""
-    if limit is not None and names.is_message(read.name):
+    kind = names.kinds.get(names.split(read.name)[0], ["message"])[0]
+    if limit is not None and kind == "message":
         limit = limit if read.timeout is None else min(limit, read.timeout)
         read = read._replace(timeout=limit, stamped=True)
     checked = "UNKNOWN where the message says that it is no measurement"

@@ -185,10 +185,7 @@ def region(region_id: str, body: list[str], *, c: bool = False, indent: str = ""
 def keep_in_folder(files: Mapping[str, str], folder: Path) -> tuple[dict[str, str], list[str]]:
     """Return the files with the hand-written bodies of those that lie in a folder.
 
-    Bodies of regions that the new files do not have go to a file of their own.
-
-    Returns:
-        The files to write, and the names of those that hold what was lost.
+    Bodies without a region in the new files go to files of their own, whose names are returned too.
 
     Raises:
         EddiError: a file there is not ours, is not text, or its markers are broken (E020).

@@ -152,11 +152,10 @@ def _arguments(model: StandaloneMonitor) -> tuple[list[str], list[str]]:
 
 
 def _conversion(read: Read, value: str) -> str:
-    if read.text:
-        return f"number_in({value})"
     if read.type == "enum":
         return f"as_literal({value}, {read.literals!r})"
-    return f"as_{'number' if read.type == 'number' else 'truth'}({value})"
+    name = "as_number" if read.type == "number" else "as_truth"
+    return f"{'number_in' if read.text else name}({value})"
 
 
 def _needs_lists(model: StandaloneMonitor) -> bool:

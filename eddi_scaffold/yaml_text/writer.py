@@ -38,15 +38,9 @@ def quoted(text: str) -> str:
 
 
 def dump_plain(data: Any) -> str:
-    """Write plain data as YAML that any reader reads back as the same data.
+    """Write None, Booleans, numbers, texts, and lists and maps of these, as any reader reads them.
 
-    Args:
-        data: None, bool, int, float, str, :class:`Verbatim`, and lists and maps of these with
-            text keys.
-
-    Returns:
-        Block style, lists indented by two blanks as in SESAME D7.2 Fig 6, keys in their order,
-        one line per scalar, independent of the version of any YAML library.
+    Block style, lists indented by two blanks, keys in their order, one line per scalar.
     """
     return "".join(f"{line}\n" for line in _lines(data))
 

@@ -18,7 +18,7 @@ from typing import Any
 from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, did_you_mean, problem
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert import graph, published_class
 from eddi_scaffold.kinds.consert.ranges import is_empty
@@ -57,8 +57,7 @@ def _check_numbers(dimension: model.NumericDimension, what: str, place: Place) -
     if unit is None:
         yield problem("C016.no_unit", place, type=shown(dimension.type), subject=what)
     elif units.find(unit) is None:
-        similar = did_you_mean(unit, [spelling for spelling in units.spellings() if spelling])
-        hint = "write percent" if unit == "%" else similar
+        hint = "write percent" if unit == "%" else None
         fields = {"unit": shown(unit), "subject": what, "units": units.listed()}
         yield problem("C016.unknown_unit", place, hint=hint, **fields)
 
