@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import traceback
@@ -15,18 +14,11 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 
 
 def program() -> None:
-    """Be the process: ``main``, and Ctrl-C while Python itself ends is an interruption as well."""
+    """Be the process: ``main``; Ctrl-C while Python itself ends changes nothing any more."""
     try:
-        try:
-            main()
-        finally:
-            signal.signal(signal.SIGINT, _interrupted)
-    except KeyboardInterrupt:
-        _interrupted()
-
-
-def _interrupted(*_: object) -> None:
-    os._exit(ExitStatus.INTERRUPTED)  # all is written: nothing but the end of Python is left out
+        main()
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def main() -> None:
@@ -62,11 +54,11 @@ def _status(arguments: Sequence[str]) -> int:
         if type(failed).__name__ == "Abort":  # Ctrl-C as older versions of Typer report it
             result = ExitStatus.INTERRUPTED
         elif hasattr(failed, "format_message"):  # wrong usage; Typer keeps its class private
+            misused: Any = failed
             if _wants_json(arguments):
-                reason = " ".join(failed.format_message().split())
+                reason = " ".join(misused.format_message().split())
                 return _fail([problem("G000.usage", reason=reason)], arguments)
-            usage: Any = failed
-            usage.show()
+            misused.show()
             return ExitStatus.BAD_INPUT
         else:
             _report_bug(failed, with_traceback=with_traceback)

@@ -17,7 +17,6 @@ from eddi_scaffold.platforms import DEFAULT
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Model
-    from eddi_scaffold.monitors.survey import Shown
 
 
 def check(
@@ -120,7 +119,13 @@ def show(
     source = read_source(model)
     robot = mros_of(source)
     if robot is not None:
-        _show_robot(robot, as_json=as_json)
+        if as_json:
+            console.json(robot.document)
+        else:
+            console.data("\n".join(robot.tree))
+            console.problems(robot.problems)
+        if has_errors(robot.problems):
+            raise typer.Exit(ExitStatus.NO if robot.tree else ExitStatus.BAD_INPUT)
         return
     if name is None and not config and not as_json and is_config(source):
         names = [each.config.Model.id for each in read_file(source)[0]]
@@ -158,17 +163,6 @@ def show(
     console.problems([*warnings, *wrong, *of_models])
     if wrong or has_errors(reading.problems):  # what remains of the file was shown
         raise typer.Exit(ExitStatus.NO)
-
-
-def _show_robot(shown: Shown, *, as_json: bool) -> None:
-    if as_json:
-        console.json(shown.document)
-    else:
-        for line in shown.tree:
-            console.data(line)
-        console.problems(shown.problems)
-    if has_errors(shown.problems):
-        raise typer.Exit(ExitStatus.NO if shown.tree else ExitStatus.BAD_INPUT)
 
 
 def _print(survey: Mapping[str, Any], models: Sequence[Model], chosen: Sequence[Model]) -> None:

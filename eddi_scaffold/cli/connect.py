@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 from enum import Enum
 from pathlib import Path
@@ -15,15 +14,7 @@ from eddi_scaffold.cli.options import Output
 from eddi_scaffold.common.problems import has_errors, plural
 
 if TYPE_CHECKING:
-    from eddi_scaffold.connect.connecting import DraftResult
-
-
-_STATES = {
-    "kept": "decided before",
-    "taken": "with one topic that fits",
-    "listed": "with candidates",
-    "none": "without a topic",
-}
+    pass
 
 
 def connect(
@@ -80,22 +71,14 @@ def connect(
     console.problems(draft.problems, summary=False)
     if not (system or bag or others or any(of.candidates for of in draft.decisions)):
         console.say("topics come from --system, --bag, or SimulatorOutputs of the configuration")
-    console.say(_summary(draft, writes=output is not None and not dry_run and not as_json))
+    summary = (
+        f"{plural(len(draft.decisions), 'input')}; {plural(draft.todo, 'value')} to be decided"
+    )
+    if output is not None and not dry_run and not as_json:
+        summary += f"; {draft.document.name} is {'written' if draft.is_changed else 'up to date'}"
+    console.say(summary)
     if has_errors(draft.problems):
         raise typer.Exit(ExitStatus.NO)
-
-
-def _summary(draft: DraftResult, *, writes: bool) -> str:
-    """Return the last line: how far the draft is decided."""
-    states = Counter(map(draft.state, draft.decisions))
-    counts = ", ".join(f"{states[key]} {text}" for key, text in _STATES.items() if states[key])
-    inputs = plural(states.total(), "input") + (f": {counts}" if counts else "")
-    done = (
-        f"; {draft.document.name} is {'written' if draft.is_changed else 'up to date'}"
-        if writes
-        else ""
-    )
-    return f"{inputs}; {plural(draft.todo, 'value')} to be decided{done}"
 
 
 class Extra(str, Enum):

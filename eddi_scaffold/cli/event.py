@@ -69,8 +69,8 @@ def event(
     from eddi_scaffold.program.standalone import check_module_name, module_name
 
     # a text that is too long for a name, or has a NUL, is no file for `isfile`
-    named = os.path.isfile(text or "") or (text or "").endswith(".events")  # noqa: PTH113
-    path = Path(text) if text is not None and named else file
+    is_file = os.path.isfile(text or "") or (text or "").endswith(".events")  # noqa: PTH113
+    path = Path(text) if text and is_file else file
     if not serve and name is not None:
         check_module_name(name)
     if not serve and (None not in {text, file} or {text, file, config} == {None}):
@@ -146,7 +146,6 @@ def _shown(value: bool | float | None) -> str:
 
 
 def _is_model(path: Path) -> bool:
-    """Return whether a file is a model, not the text of a condition."""
     from eddi_scaffold.eddi_xml.document import recognises as is_xml
     from eddi_scaffold.kinds import kinds
 
@@ -222,7 +221,6 @@ def _serve(port: int, text: str, rate: float | None) -> None:
 
 
 def _read_signal(text: str, types: Mapping[str, Any]) -> tuple[Any, list[Problem]]:
-    """Return the rows of a recording that was typed."""
     from eddi_scaffold.recordings.csv_recording import read_rows
 
     return read_rows(Source("<values>", text.encode()), types)

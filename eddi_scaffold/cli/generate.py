@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
@@ -85,7 +85,8 @@ def generate(
                 model, config or [], name, marks, robot, root, rename or ()
             )
         renames = read_renames(rename or (), root, {monitor.package for monitor in monitors})
-        moved, options = renames.involved, choices(runtime, single_process)
+        moved = {*renames.former, *renames.former.values()}
+        options = choices(runtime, single_process)
         assembly = assemble(monitors, target, root, [*unsure, *problems], options, moved)
         console.problems(assembly.problems)
         older = list(left_behind(assembly.present, assembly.packages, monitors, moved))
@@ -248,10 +249,9 @@ def finish(*outcomes: WriteResult, dry_run: bool, next_steps: Sequence[str] = ()
 
 
 def _report(outcome: WriteResult, *, dry_run: bool) -> None:
-    records = {path for path in outcome.changes if _RECORDS in path}
-    # Records of hand edits are not counted, which people do not read.
-    number = len(outcome.changes) - len(records)
-    size = plural(number, "file") if number or not outcome.changes else "records of hand edits"
+    # records of hand edits are not counted, which people do not read
+    changes = {path: data for path, data in outcome.changes.items() if _RECORDS not in path}
+    size = plural(len(changes), "file")
     if dry_run:
         diff = outcome.diff()
         if diff:
@@ -261,7 +261,7 @@ def _report(outcome: WriteResult, *, dry_run: bool) -> None:
         console.say(f"nothing to change below {outcome.root}")
     else:
         console.say(f"{outcome.root}: {size}")
-        _list_changes(outcome, records)
+        _list_changes(outcome, changes)
     for note in outcome.notes:
         console.say(f"note: {note}")
     for line in outcome.left:
@@ -270,11 +270,11 @@ def _report(outcome: WriteResult, *, dry_run: bool) -> None:
         console.say("hand edits need a look: see the notes, and `eddi-scaffold regions --check`")
 
 
-def _list_changes(outcome: WriteResult, records: set[str]) -> None:
+def _list_changes(outcome: WriteResult, changed: Mapping[str, bytes | None]) -> None:
     """Print each file that may be edited, and a count of the others."""
     changes = {
         path: "removed" if content is None else "changed" if path in outcome.before else "new"
-        for path, content in outcome.changes.items()
+        for path, content in changed.items()
     }
     editable = sorted(outcome.editable, key=lambda path: (not path.endswith(".py"), path))
     if editable:
@@ -283,10 +283,9 @@ def _list_changes(outcome: WriteResult, records: set[str]) -> None:
             console.say(f"    {_SIGNS[changes[path]]} {path}")
         if len(editable) > _SHOWN:
             console.say(f"    ... and {len(editable) - _SHOWN} more")
-    others = sorted(changes.keys() - records - outcome.editable)
+    others = sorted(changes.keys() - outcome.editable)
     if others:
         counts = Counter(changes[path] for path in others)
         what = ", ".join(f"{counts[change]} {change}" for change in _SIGNS if counts[change])
         folders = list(dict.fromkeys(path.partition("/")[0] for path in others))
-        more = f" and {len(folders) - _SHOWN} more" if len(folders) > _SHOWN else ""
-        console.say(f"  generated: {what}, in {', '.join(folders[:_SHOWN])}{more}")
+        console.say(f"  generated: {what}, in {', '.join(folders)}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import re
 from contextlib import closing
 from pathlib import Path
@@ -45,14 +44,13 @@ def example(name: str, folder: Annotated[Path | None, typer.Argument()] = None) 
         case = "G006.not_empty" if target.is_dir() else "G006.file"
         raise EddiError(problem(case, Place(str(target))))
     folder = _examples() / name
-    paths = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*")}
+    paths = {path.relative_to(folder): path for path in folder.rglob("*") if path.is_file()}
     files = {
-        name: path.read_bytes()
+        name.as_posix(): path.read_bytes()
         for name, path in paths.items()
-        if path.is_file() and not name.startswith("expected/") and "__pycache__/" not in name
+        if not {"expected", "__pycache__"}.intersection(name.parts)
     }
-    programs = {name for name in files if os.access(paths[name], os.X_OK)}
-    write(target, files, programs=programs)
+    write(target, files)
     for file in sorted(files):
         console.data(str(target / file))
     console.say(f"next: read {target / 'README.md'}")

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from eddi_scaffold import __version__
 from eddi_scaffold.cli.console import ExitStatus, console
 from eddi_scaffold.cli.generate import destination, finish
 from eddi_scaffold.cli.options import Output, Packages, PlatformOfPlace, WherePackagesAre
@@ -129,14 +130,16 @@ def upgrade(
                 dry_run=dry_run,
                 progress=console.progress,
             )
-            remaining = upgrading.compiled_before(targets)
-            outcomes.append(replace(outcome, left=[*remaining, *outcome.left]))
+            monitors = (made for made in targets if "facts" in made.answers)
+            versions = {made.folder: made.answers["generator_version"] for made in monitors}
+            compiled = "compiled.py stays as eddi-scaffold {} made it; name the model with -m"
+            left = [f"{f}: {compiled.format(v)}" for f, v in versions.items() if v != __version__]
+            outcomes.append(replace(outcome, left=[*left, *outcome.left]))
     finish(*outcomes, dry_run=dry_run)
 
 
 def regions(
     path: Annotated[Path, typer.Argument()] = Path(),
-    workspace: WherePackagesAre = None,
     check: bool = False,
     accept: list[str] | None = None,
     as_json: bool = False,
@@ -150,12 +153,16 @@ def regions(
         check: Exit with 3 when a person must look; for CI.
         accept: Region id or unfit file that was looked at and is right; repeatable.
     """
-    from eddi_scaffold.packages.handwritten import accept_regions, inventory
+    from eddi_scaffold.packages.handwritten import accept_regions, packages_below
+    from eddi_scaffold.regions.check import list_regions
 
-    path = path if workspace is None else workspace
     for region_id in accept_regions(path, accept) if accept else ():
         console.say(f"accepted {region_id}")
-    entries = inventory(path)
+    entries = [
+        status._replace(file=str(package / status.file))
+        for package in packages_below(path)
+        for status in list_regions(package)
+    ]
     if as_json:
         keys = ("id", "file", "line", "state", "notes")
         console.json({"regions": [{key: getattr(entry, key) for key in keys} for entry in entries]})

@@ -12,10 +12,9 @@ import typer
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Files, for_pictures
 from eddi_scaffold.common.files import read_source, refuse_input
-from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 
 if TYPE_CHECKING:
-    from eddi_scaffold.monitors.config_reading import RobotAdditions
     from eddi_scaffold.recordings.csv_recording import Recording
     from eddi_scaffold.recordings.members import Member
 
@@ -141,9 +140,9 @@ def recorded(
 def members_of(
     files: Sequence[Path], workspace: Path | None, options: Mapping[str, Any], *, code: bool
 ) -> tuple[list[Member], list[Problem]]:
-    """Return what is to be played, and warnings."""
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.connect.robot import robot_models
+    from eddi_scaffold.monitors.loading import is_config
     from eddi_scaffold.packages.assembly import monitors_of, only
     from eddi_scaffold.packages.running import check_together, packages_in
 
@@ -167,7 +166,8 @@ def members_of(
             members, problems = packages.with_robots(source, name)
         else:
             with robot_models(system, models) as (robot, unsure):
-                model_files, configs = _models_and_configs(files, config, robot)
+                model_files = [path for path in files if not is_config(read_source(path))]
+                configs = [*config, *(path for path in files if path not in model_files)]
                 monitors, problems = monitors_of(model_files, configs, name, marks, robot)
             if not configs:
                 only(monitors)
@@ -187,25 +187,3 @@ def _unused_lines(members: Sequence[Member], configs: Sequence[Path]) -> Iterato
             lines = ", ".join(written(package))
             if lines:
                 yield problem("I014.lines", Place(str(package)), lines=lines)
-
-
-def _models_and_configs(
-    files: Sequence[Path], configs: Sequence[Path], robot: RobotAdditions | None
-) -> tuple[list[Path], list[Path]]:
-    """Separate models from configurations, which may be given instead of their models."""
-    from eddi_scaffold.config.file import named_model_path
-    from eddi_scaffold.monitors.config_reading import read_file
-    from eddi_scaffold.monitors.loading import is_config
-
-    if len(files) == 1 and configs:
-        return list(files), list(configs)
-    sources = {path: read_source(path) for path in files}
-    models = [path for path, source in sources.items() if not is_config(source)]
-    for path in [] if models else files:
-        parsed, problems = read_file(sources[path], robot)
-        if has_errors(problems):
-            raise EddiError(*problems)
-        if any(named_model_path(config) is None for config in parsed):
-            place = Place(str(path))
-            raise EddiError(problem("F003.configuration_without_model", place, path=path))
-    return models, [*configs, *(path for path in sources if path not in models)]

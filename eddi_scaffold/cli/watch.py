@@ -95,7 +95,6 @@ def opened(
 
 
 def _serve(source: Source, state: FleetState, clock: Clock, port: int) -> None:
-    """Show the page, as long as nobody interrupts it."""
     from eddi_scaffold.watch.following import follow
     from eddi_scaffold.watch.page import Feed, View, open_server
 

@@ -108,10 +108,7 @@ def monitors_of(
 
 
 def _remembered_types(config: ConfigFile, root: Path, former: Mapping[str, str]) -> MessageFields:
-    """Return the message types that a package was generated with.
-
-    They stay known where the models of the robot that they came from are not given again.
-    """
+    """Return the message types of a package: the models of the robot need not be given again."""
     package = package_name(config.config.Model.id)
     folder = root / former.get(package, package)
     answers = read_answers(folder) or {}
@@ -209,7 +206,6 @@ def wiring_with(
 
 
 def _others(present: Mapping[str, Mapping[str, Any]], new: Container[str]) -> list[WiredMonitor]:
-    """Return the monitors of the packages that are not made anew."""
     facts = (facts_of_package(name, of) for name, of in present.items() if name not in new)
     return [monitor for monitor in facts if monitor is not None]
 

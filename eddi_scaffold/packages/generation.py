@@ -8,7 +8,7 @@ from __future__ import annotations
 import difflib
 import os
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
@@ -63,11 +63,18 @@ class WriteResult:
 
     def diff(self) -> str:
         """Return the change as a unified diff, paths relative to ``root``, without our records."""
-        return "".join(
-            _diff(path, self.before.get(path), data)
-            for path, data in sorted(self.changes.items())
-            if f"/{EDDI}/" not in path and not path.endswith(f"/{ANSWERS_FILE}")
-        )
+        lines: list[str] = []
+        for path, after in sorted(self.changes.items()):
+            if f"/{EDDI}/" in path or path.endswith(f"/{ANSWERS_FILE}"):
+                continue
+            texts = (
+                (data or b"").decode("utf-8", "replace") for data in (self.before.get(path), after)
+            )
+            old, new = (text.splitlines(keepends=True) for text in texts)
+            start = f"a/{path}" if path in self.before else "/dev/null"
+            end = f"b/{path}" if after is not None else "/dev/null"
+            lines += difflib.unified_diff(old, new, start, end)
+        return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)
 
 
 def write_packages(
@@ -113,9 +120,9 @@ def write_packages(
             if package.answers:
                 progress(folder)
             rendered = Path(scratch, str(number))
-            plan, warnings = _planned(renderer, package, rendered, target, renames)
-            plans[folder] = plan
-            notes += [(warning, False) for warning in warnings]
+            plan = plans[folder] = _planned(renderer, package, rendered, target, renames)
+            if not package.answers:
+                notes.append((f"{folder}: removed, nothing needs it any more", False))
             notes += [
                 (f"{folder}/{note.place}: {note.text}", note.attention) for note in plan.notes
             ]
@@ -123,10 +130,21 @@ def write_packages(
                 marked = (s.path for s in plan.steps if s.data and b"Manual edit begin" in s.data)
                 files = (path for path in marked if not path.startswith((EDDI, ANSWERS_FILE)))
                 editable.update(f"{folder}/{path}" for path in files)
-        ignoring = _ignoring(root, packages)
+        made = (package for package in packages if package.answers)
+        owners = ((new.folder, owner_of(str(new.answers["template"]))) for new in made)
+        folders = {PurePosixPath(folder).parent for folder, owner in owners if owner.workspace}
+        paths = ((folder / ".gitignore").as_posix() for folder in sorted(folders))
+        ignoring = {path: _IGNORED for path in paths if not os.path.lexists(root / path)}
         steps = [(folder, plan, step) for folder, plan in plans.items() for step in plan.steps]
         old = {f"{folder}/{s.path}": bytes_at(plan.root, s.path) for folder, plan, s in steps}
-        _refuse(plans.values())
+        refused = [
+            problem("H010", Place(str(plan.root / refusal.file), refusal.line), reason=refusal.text)
+            for plan in plans.values()
+            for refusal in plan.refusals
+        ]
+        if refused:
+            hint = "Nothing was changed; mend this, and run the command again"
+            raise EddiError(*refused[:-1], replace(refused[-1], hint=hint))
         if not dry_run:
             _write(plans, renames, root)
             for path, data in ignoring.items():
@@ -143,26 +161,14 @@ def write_packages(
     return WriteResult(root, changes, before, lines, look, (), frozenset(editable))
 
 
-def _ignoring(root: Path, packages: Iterable[PackageAnswers]) -> dict[str, bytes]:
-    """Return path -> the `.gitignore` beside packages of a workspace, where there is none."""
-    owners = ((p.folder, owner_of(str(p.answers["template"]))) for p in packages if p.answers)
-    folders = {PurePosixPath(folder).parent for folder, owner in owners if owner.workspace}
-    paths = ((folder / ".gitignore").as_posix() for folder in sorted(folders))
-    return {path: _IGNORED for path in paths if not os.path.lexists(root / path)}
-
-
 def _planned(
     renderer: Renderer, package: PackageAnswers, rendered: Path, target: Path, renames: Renames
-) -> tuple[Plan, list[str]]:
-    """Render a package, with what Copier does not render, and plan to bring it there.
-
-    Returns:
-        The plan, and what is to be said of the rendering.
-    """
+) -> Plan:
+    """Render a package, with what Copier does not render, and plan to bring it there."""
     rendering = rendered / NEW / _STAGE
     records: dict[str, bytes | None] = {ANSWERS_FILE: None}
     if package.answers:
-        warnings = renderer.render({**package.answers, "stage": _STAGE}, rendered)
+        renderer.render({**package.answers, "stage": _STAGE}, rendered)
         for name, data in package.files.items():
             (rendering / name).parent.mkdir(parents=True, exist_ok=True)
             (rendering / name).write_bytes(data)
@@ -170,24 +176,14 @@ def _planned(
         answers = (rendered / ANSWERS_FILE).read_bytes() + changed
         records = {ANSWERS_FILE: answers}
     else:
-        warnings = [f"{package.folder}: removed, nothing needs it any more"]
         rendering.mkdir(parents=True)
-    more = (package.saved, package.adopted, renames.regions)
+    includes = "launcher.include_{}".format  # regions of the launcher about renamed packages
+    regions = {includes(new): includes(old) for new, old in renames.former.items()}
+    more = (package.saved, package.adopted, regions)
     plan = plan_sync(target, rendering, records, *more)
     lost = "its generated text is nowhere any more: name the model with -m"
     refusals = [*plan.refusals, *(Note(name, None, lost) for name in package.lacks)]
-    return plan._replace(refusals=refusals), warnings
-
-
-def _refuse(plans: Iterable[Plan]) -> None:
-    problems = [
-        problem("H010", Place(str(plan.root / refusal.file), refusal.line), reason=refusal.text)
-        for plan in plans
-        for refusal in plan.refusals
-    ]
-    if problems:
-        hint = "Nothing was changed; mend this, and run the command again"
-        raise EddiError(*problems[:-1], replace(problems[-1], hint=hint))
+    return plan._replace(refusals=refusals)
 
 
 def _write(plans: Mapping[str, Plan], renames: Renames, root: Path) -> None:
@@ -238,13 +234,3 @@ def _is_current(
     data = (target / ANSWERS_FILE).read_bytes()
     text = manifest_text(made, text_of(data))
     return not data.endswith(_CHANGED) and (target / MANIFEST).read_bytes() == text.encode()
-
-
-def _diff(path: str, before: bytes | None, after: bytes | None) -> str:
-    old, new = (
-        (data or b"").decode("utf-8", "replace").splitlines(keepends=True)
-        for data in (before, after)
-    )
-    start, end = f"a/{path}" if before else "/dev/null", f"b/{path}" if after else "/dev/null"
-    lines = difflib.unified_diff(old, new, start, end)
-    return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)

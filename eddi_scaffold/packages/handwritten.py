@@ -8,12 +8,12 @@ from functools import cache, partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import saved_meanwhile
-from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import UnwrittenInput
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import alone
-from eddi_scaffold.regions.check import RegionStatus, list_regions, plan_accept
+from eddi_scaffold.regions.check import list_regions, plan_accept
 from eddi_scaffold.regions.package import EDDI, KEPT, Plan, SavedError
 
 
@@ -89,15 +89,6 @@ def packages_below(folder: Path) -> list[Path]:
     return packages
 
 
-def inventory(folder: Path) -> list[RegionStatus]:
-    """List the regions of all packages below a folder, with paths as the user would write them."""
-    return [
-        status._replace(file=str(package / status.file))
-        for package in packages_below(folder)
-        for status in list_regions(package)
-    ]
-
-
 def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
     """Confirm that bodies in a package, or in those of a folder, were looked at and are right.
 
@@ -112,10 +103,7 @@ def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
             write_plans([plan])
             accepted |= {*ids_here}
     for missing in sorted(chosen - accepted):
-        known = [region.id for package in packages for region in list_regions(package) if region.id]
-        hint = did_you_mean(missing, known) if missing not in known else None
-        place = Place(str(folder))
-        raise EddiError(problem("U004", place, hint=hint, missing=missing, folder=folder))
+        raise EddiError(problem("U004", Place(str(folder)), missing=missing, folder=folder))
     return sorted(accepted)
 
 

@@ -30,17 +30,6 @@ class Renames:
     former: Mapping[str, str]  # new folder -> old folder
     places: Mapping[str, str]  # new folder -> where the package lies, if a run was killed as well
 
-    @property
-    def involved(self) -> frozenset[str]:
-        """All folders that change."""
-        return frozenset([*self.former, *self.former.values()])
-
-    @property
-    def regions(self) -> dict[str, str]:
-        """Regions of other packages that are about these: the new id of each -> the old one."""
-        pairs = self.former.items()
-        return {f"launcher.include_{new}": f"launcher.include_{old}" for new, old in pairs}
-
     def place(self, root: Path, folder: str) -> Path:
         """Return where the package is that gets a folder."""
         if folder in self.places.values() and folder not in self.places:

@@ -69,18 +69,16 @@ def own_template() -> Template:
         return Template(str(root), "HEAD")
     for bundle in (package / _BUNDLE, root / _BUNDLE):  # installed; an unpacked sdist
         if bundle.is_file():
-            return Template(_shelved(), f"v{__version__}", bundle)
+            # below the home folder: the same for every user
+            home = Path("~").expanduser()
+            data = Path(os.environ.get("XDG_DATA_HOME") or home / ".local" / "share")
+            target = data / "eddi-scaffold" / _BUNDLE
+            inside = target.is_relative_to(home)
+            location = f"~/{target.relative_to(home)}" if inside else str(target)
+            return Template(location, f"v{__version__}", bundle)
     if in_sources:
         return Template(str(root), None)
     raise EddiError(problem("T001.missing"))
-
-
-def _shelved() -> str:
-    """Return where the wheel's bundle is kept: below the home folder, the same for every user."""
-    home = Path("~").expanduser()
-    data = Path(os.environ.get("XDG_DATA_HOME") or home / ".local" / "share")
-    target = data / "eddi-scaffold" / _BUNDLE
-    return f"~/{target.relative_to(home)}" if target.is_relative_to(home) else str(target)
 
 
 def is_newer(version: str) -> bool:
@@ -137,14 +135,14 @@ class Renderer:
         self.template, self.source = template, source
         self._first: Worker | None = None
 
-    def render(self, answers: Mapping[str, Any], folder: Path) -> list[str]:
-        """Render a package into an empty or missing folder; return Copier's warnings (T004)."""
+    def render(self, answers: Mapping[str, Any], folder: Path) -> None:
+        """Render a package into an empty or missing folder (EddiError, T004)."""
         # half a second, paid only where something is rendered
         from copier.errors import CopierError  # noqa: PLC0415
         from plumbum import local  # noqa: PLC0415
 
-        with warnings.catch_warnings(record=True) as raised, local.env(PATH=os.devnull):
-            warnings.simplefilter("always")
+        with warnings.catch_warnings(), local.env(PATH=os.devnull):
+            warnings.simplefilter("ignore")
             try:
                 self._run(dict(answers), folder)
             except (CopierError, ValueError) as failure:
@@ -154,8 +152,6 @@ class Renderer:
         known = {} if commit is None else {"_commit": commit}
         origin = dump_11({**known, "_src_path": self.template.location})
         file.write_text(_ORIGIN.sub(lambda _: origin, file.read_text("utf-8"), count=1), "utf-8")
-        of_copier = (caught for caught in raised if caught.category.__module__.startswith("copier"))
-        return sorted({str(warning.message) for warning in of_copier})
 
     def _run(self, answers: dict[str, Any], folder: Path) -> None:
         words = ("defaults", "overwrite", "unsafe", "quiet", "skip_tasks")

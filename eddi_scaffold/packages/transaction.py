@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 import secrets
 import shutil
-from collections.abc import Container, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from eddi_scaffold.common.files import refuse_input, saved_meanwhile
@@ -18,11 +18,10 @@ def write(
     root: Path,
     files: Mapping[str, bytes],
     before: Mapping[str, bytes] | None = None,
-    programs: Container[str] = (),
 ) -> None:
     """Write files below ``root``; with a problem, none. The mode of one that is there stays.
 
-    ``before``: path -> the bytes that the new ones were made from. ``programs`` can be executed.
+    ``before``: path -> the bytes that the new ones were made from.
 
     Raises:
         EddiError: nothing could be written (F002), a file was saved meanwhile (F013), or a file
@@ -39,9 +38,8 @@ def write(
         root.mkdir(parents=True, exist_ok=True)
         steps = []
         for path, data in files.items():
-            usual = 0o755 if path in programs else 0o644
             there = (root / path).is_file()
-            mode = (root / path).stat().st_mode & 0o7777 if there else usual
+            mode = (root / path).stat().st_mode & 0o7777 if there else 0o644
             steps.append(Step(path, data, mode))
         put_aside(root, steps, staging)
         for path, data in read.items():

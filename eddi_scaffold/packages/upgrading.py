@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -52,10 +52,6 @@ class PackageGroup:
     root: Path  # the folder
     present: dict[str, dict[str, Any]]  # package folder -> answers
     robot: str = ""  # name of that workspace, where it is one of several robots; else empty
-
-    def shown(self, folder: str) -> str:
-        """Return the name of a package for people."""
-        return f"{self.robot}/{folder}" if self.robot else folder
 
 
 def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
@@ -270,16 +266,6 @@ def _with_origin(monitor: BoundMonitor, before: MonitorFacts) -> BoundMonitor:
     return replace(monitor, facts=facts)
 
 
-def compiled_before(packages: Iterable[PackageAnswers]) -> list[str]:
-    """Return what is to be said of monitors that another release compiled, without their models."""
-    stay = "compiled.py stays as eddi-scaffold {} made it; name the model with -m"
-    return [
-        f"{package.folder}: {stay.format(package.answers['generator_version'])}"
-        for package in packages
-        if "facts" in package.answers and package.answers["generator_version"] != __version__
-    ]
-
-
 def _newer_models(
     group: PackageGroup, model_file: Path, configs: Container[str]
 ) -> tuple[dict[str, Model], list[Problem]]:
@@ -375,5 +361,6 @@ def states_of(
             for region in regions
             if region.review and region.state != "outside"
         ]
-        states.append(PackageState(group.shown(folder), outdated, edited, dict(counts), review))
+        name = f"{group.robot}/{folder}" if group.robot else folder
+        states.append(PackageState(name, outdated, edited, dict(counts), review))
     return states

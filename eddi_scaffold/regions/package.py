@@ -321,16 +321,11 @@ def put_aside(root: Path, steps: Sequence[Step], place: Path) -> None:
             (place / ".gitignore").write_bytes(b"*\n")
         for number, step in enumerate(steps):
             if step.data is not None:
-                write_file(place / str(number), step.data, step.mode)
+                (place / str(number)).write_bytes(step.data)
+                (place / str(number)).chmod(step.mode)
         for path in place.glob("*"):  # at the end, when most is on the disk already
             with path.open("rb") as file:
                 os.fsync(file.fileno())
     except OSError:
         shutil.rmtree(place, ignore_errors=True)
         raise
-
-
-def write_file(path: Path, data: bytes, mode: int) -> None:
-    """Write a file."""
-    path.write_bytes(data)
-    path.chmod(mode)

@@ -166,7 +166,6 @@ class _Sync:
         return True
 
     def _content(self, chosen: Chosen) -> dict[str, Placed]:
-        """Return what each region of the rendering holds."""
         names: set[str] = set()
         words: set[str] = set()
         if any(body and not body.region.untouched for body, _ in chosen.values()):
@@ -193,7 +192,6 @@ class _Sync:
         return content
 
     def _keep_file(self, name: str) -> None:
-        """Keep a copy of a file that was edited outside of its regions."""
         file, new = self.files[name], self.new.get(name)
         what, where = ", and is not generated any more", ""
         if new is not None:
@@ -242,7 +240,6 @@ class _Sync:
         return place or f"{KEPT}/{name}"
 
     def _written(self, content: Mapping[str, Placed]) -> Iterator[Step]:
-        """Yield the files that get new bytes."""
         for name, new in self.new.items():
             old = self.files.get(name)
             data, mode = new.data, new.mode

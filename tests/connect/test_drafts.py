@@ -175,7 +175,7 @@ def test_every_kind_gets_a_draft_that_says_what_is_open(
     if example != "robot-models":  # its configuration names topics of its own
         before = (tmp_path / config).read_bytes()
         done = run("connect", model, "-o", config, *words, cwd=tmp_path)
-        assert (done.status, "decided before; 0 values" in done.err) == (0, True)
+        assert (done.status, "; 0 values" in done.err) == (0, True)
         assert (tmp_path / config).read_bytes() == before
 
 

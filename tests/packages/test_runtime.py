@@ -151,7 +151,7 @@ def test_plain_packages_have_one_runtime(tmp_path: Path) -> None:
 def test_no_other_place_is_known(tmp_path: Path) -> None:
     done = run("generate", "-m", MODEL, "-o", "o", "--runtime", "somewhere", cwd=tmp_path)
     assert done.status == 2
-    assert "'somewhere' is neither vendored nor installed" in done.err
+    assert "'somewhere' is not one of 'vendored', 'installed'" in done.err
     assert not list(tmp_path.iterdir())
 
 

@@ -9,7 +9,6 @@ import pytest
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.transaction import write
-from eddi_scaffold.regions import package as writing
 from tests.cli.command import files_below
 
 OLD = {"a": b"old a", "d/b": b"old b"}
@@ -19,7 +18,8 @@ BEFORE = {"a": b"old a"}
 
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
-    write(tmp_path / "root", OLD, programs={"d/b"})
+    write(tmp_path / "root", OLD)
+    (tmp_path / "root/d/b").chmod(0o755)
     return tmp_path / "root"
 
 
@@ -32,13 +32,13 @@ def test_files_are_written_and_replaced(root: Path) -> None:
 
 
 def test_a_full_disk_leaves_all_as_it_was(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real, before = writing.write_file, files_below(root)
+    real, before = Path.write_bytes, files_below(root)
 
-    def full(path: Path, data: bytes, mode: int) -> None:
-        real(path, data[: len(data) // 2], mode)
+    def full(path: Path, data: bytes) -> int:
+        real(path, data[: len(data) // 2])
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setattr(writing, "write_file", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(EddiError, match="cannot write: No space left on device") as failure:
         write(root, CHANGES, BEFORE)
     assert failure.value.problems[0].code == "F002"

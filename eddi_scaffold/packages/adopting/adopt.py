@@ -129,7 +129,6 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
 
 
 def _guarantees(model: Model, options: Mapping[str, JsonValue]) -> set[str]:
-    """Return the ids of guarantees that a monitor publishes."""
     configured, _ = model.configure(Options(values=options))
     return {*(configured or model).element_keys().get("guarantees", ())}
 

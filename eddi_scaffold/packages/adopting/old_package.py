@@ -159,7 +159,6 @@ def _is_of_fig_15(node: ast.stmt) -> bool:
 
 
 def _is_frame(node: ast.stmt) -> bool:
-    """Return whether a statement belongs to the generated frame of a class."""
     names = [
         call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
         for call in ast.walk(node)

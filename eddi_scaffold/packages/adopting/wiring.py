@@ -25,7 +25,8 @@ class OldInput:
     def as_entry(self) -> dict[str, JsonValue]:
         """Return its entry in a configuration, without a type where nothing tells it."""
         type_ = _TYPES.get(type(self.default))
-        entry: dict[str, JsonValue] = {"id": self.id, **({"type": type_} if type_ else {})}
+        entry: dict[str, JsonValue] = {"id": self.id}
+        entry |= {"type": type_} if type_ is not None else {}
         entry["requires"] = list(self.requires)
         return entry | ({"default": self.default} if self.default is not None else {})
 
