@@ -37,9 +37,9 @@ def report(
     """
     from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.packages.upgrading import groups
+    from eddi_scaffold.report.contents import page
     from eddi_scaffold.report.formats import gsn, junit, needs_conf, needs_json, reqif, sacm
     from eddi_scaffold.report.gathering import gathered
-    from eddi_scaffold.report.page import page
 
     chosen = groups(workspace, packages or [])
     name = model.stem if model is not None else (workspace or Path()).resolve().name

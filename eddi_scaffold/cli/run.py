@@ -140,6 +140,7 @@ def recorded(
 def members_of(
     files: Sequence[Path], workspace: Path | None, options: Mapping[str, Any], *, code: bool
 ) -> tuple[list[Member], list[Problem]]:
+    """Return what is to be played, and warnings."""
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.monitors.loading import is_config

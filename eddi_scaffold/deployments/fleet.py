@@ -1,8 +1,6 @@
 """Several robots: who meets whom, whose guarantees may fulfil whose demands, and how each runs.
 
 The control station is one more, whose ConSert has every guarantee of those that it hears.
-
-The only module that writes the keys of a configuration by which a robot is one of a fleet.
 """
 
 from __future__ import annotations

@@ -80,16 +80,16 @@ def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
     for robot in fleet.robots:
         groups.setdefault(robot.graph or robot.name, []).append(robot)
         monitors, of_robot = fleet.bound_monitors(robot, config_of)
-        running[robot] = _wired(robot, monitors)
+        running[robot] = [wired(monitor, robot.form.prefix) for monitor in monitors]
         problems += [*of_robot, *packages_of(monitors, robot.platform, None)[1]]
     if has_errors(problems):
         return problems
     by_topic = partial(read_directly, fleet)
     for robots in groups.values():
         members = [
-            member
+            wired(monitor, robot.form.prefix)
             for robot in robots
-            for member in _wired(robot, fleet.bound_monitors(robot, by_topic)[0])
+            for monitor in fleet.bound_monitors(robot, by_topic)[0]
         ]
         together = Deployment(members)
         problems += [*check_wiring(members), *absent_publishers(together), *_check_shared(together)]
@@ -97,10 +97,6 @@ def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
         problems += check_hidden(members)
         problems += check_ages(Deployment(members))
     return problems
-
-
-def _wired(robot: FleetRobot, monitors: Iterable[BoundMonitor]) -> list[WiredMonitor]:
-    return [wired(monitor, robot.form.prefix) for monitor in monitors]
 
 
 def _check_shared(together: Deployment) -> Iterator[Problem]:

@@ -12,7 +12,6 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.robots import FleetRobot
 from eddi_scaffold.monitors.binding import BoundMonitor
 
-BINDINGS = "Bindings"
 _MOST_REASONS = 3
 _MOST_FULFILMENTS = 2_500
 """Each is checked, and most are written down: 50 robots of which each relies on any other one."""
@@ -86,7 +85,7 @@ def demand_bindings(
     problems: list[Problem] = []
     number = 0
     for index, binding in enumerate(file.form.Bindings):
-        place, demand = partial(file.place, BINDINGS, index), binding.demand
+        place, demand = partial(file.place, "Bindings", index), binding.demand
         own = [of for of in monitors if binding.robot in (None, of.robot.name)]
         asked = [of for of in own if binding.monitor in (None, of.id)]
         known = {

@@ -98,11 +98,10 @@ class _Reader:
             return None
         meeting = platform.meeting
         own = [meeting.key, *(["partition"] if meeting.has_partitions else [])] if meeting else []
-        hint = f"name its `{own[0]}`" if own else "leave it out"
         for key in ("master", "domain", "partition"):
             if key not in own and getattr(form, key) is not None:
-                place, names = self.file.place(*path, key), {"platform": platform.name}
-                self.problems.append(problem("K003.platform", place, hint=hint, key=key, **names))
+                place, name = self.file.place(*path, key), platform.name
+                self.problems.append(problem("K003.platform", place, key=key, platform=name))
         return platform
 
     def _pairs(self, robot: int, monitor: int) -> list[Pair]:

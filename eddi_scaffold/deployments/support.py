@@ -301,9 +301,3 @@ def acceptances(participants: Sequence[WiredMonitor]) -> list[Accepted]:
                 place = Place(monitor.model_file, *what.at)
             accepted.append(Accepted(monitor.name, what, topics, claims, place))
     return accepted
-
-
-def check_acceptances(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
-    """Report each acceptance (D009)."""
-    for acceptance in acceptances(participants):
-        yield problem("D009", acceptance.place, reason=acceptance.as_text())

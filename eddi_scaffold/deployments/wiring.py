@@ -16,7 +16,7 @@ from eddi_scaffold.deployments.meanings import check_meanings
 from eddi_scaffold.deployments.support import (
     Deployment,
     WiredMonitor,
-    check_acceptances,
+    acceptances,
     check_rings,
     publishers_of,
     supports,
@@ -141,6 +141,7 @@ def check_wiring(
     """Check what monitors read of each other (D001 to D009 but D006 and D008)."""
     together = Deployment(members, others)
     rings = list(check_rings(together.participants))
+    accepted = [] if rings else acceptances(members)
     return [
         *check_meanings(together),
         *check_alone(together),
@@ -149,7 +150,7 @@ def check_wiring(
         *check_spellings(together),
         *rings,
         *([] if rings else check_hidden(together.participants)),
-        *([] if rings else check_acceptances(members)),
+        *(problem("D009", of.place, reason=of.as_text()) for of in accepted),
     ]
 
 

@@ -34,9 +34,6 @@ _NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
 _SET_CLOCK_NS = 10**18  # since 2001 the clock of a computer that has been set is beyond this
 _TIMES = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 
-Listeners = Mapping[str, Sequence[tuple[BoundMonitor, SimulatorOutput]]]
-"""Full name of a topic -> who listens to it, and as what."""
-
 
 def topic_of(connection: Any) -> str:
     """Return the full name of a topic: a bag has no private names."""
@@ -76,7 +73,15 @@ def read_bag(path: Path, members: Sequence[Member]) -> tuple[Recording, list[Pro
     with opened(path, [member.monitor for member in members]) as bag:
         connections = [c for c in bag.connections if topic_of(c) in outside]
         types = _types_of(bag, connections)
-        errors = list(_wrong_types(connections, outside))
+        errors = []
+        for connection in connections:
+            type_ = type_of(connection)
+            for monitor, source in outside[topic_of(connection)]:
+                if type_ != source.type and monitor.config is not None:
+                    index = monitor.config.config.SimulatorOutputs.index(source)
+                    at = monitor.config.place("SimulatorOutputs", index, "type")
+                    fields = {"topic": source.topic, "type": type_, "declared": source.type}
+                    errors.append(problem("I012.type", at, **fields))
         for member in members:
             if member.code is None:  # which tells itself what it lacks
                 errors += _misfits(member.monitor, types)
@@ -163,27 +168,14 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
         raise EddiError(problem("I011.system", place, reason=special.strerror)) from None
     except OSError:
         pass
-    advice: str | None = f"was the recording cut off? {_repair(path)} saves what is there"
     try:
         with closing(Bag(path, own_messages(monitors))) as bag:
-            advice = None
             yield bag
     except EddiError:
         raise
     except Exception as failed:  # noqa: BLE001 - a damaged bag makes rosbags raise anything
         reason = " ".join(str(failed).split()) or type(failed).__name__
-        if isinstance(failed, UnicodeDecodeError):
-            reason = "it is damaged, or something else under the name of one"
-        raise EddiError(problem("I011.content", place, hint=advice, reason=reason)) from None
-
-
-def _repair(path: Path) -> str:
-    """Return the command that makes a bag of one that was cut off."""
-    if path.suffix == ".bag":
-        return f"`rosbag reindex {path}`"
-    inside = path.glob("*.mcap") if path.is_dir() else [path]
-    file = next((file for file in inside if file.suffix == ".mcap"), None)
-    return f"`mcap recover {file} -o saved.mcap`" if file else f"`ros2 bag reindex {path}`"
+        raise EddiError(problem("I011.content", place, reason=reason)) from None
 
 
 def own_messages(monitors: Sequence[BoundMonitor]) -> Mapping[str, str]:
@@ -213,17 +205,6 @@ def _type(node: Any, content: Any) -> str:
         return _TIMES.get(name, name)
     inner, size = content  # an array or a sequence
     return f"{_type(*inner)}[{size if node.name == 'ARRAY' else ''}]"
-
-
-def _wrong_types(connections: Sequence[Any], listeners: Listeners) -> Iterator[Problem]:
-    for connection in connections:
-        type_ = type_of(connection)
-        for monitor, source in listeners[topic_of(connection)]:
-            if type_ != source.type and monitor.config is not None:
-                index = monitor.config.config.SimulatorOutputs.index(source)
-                place = monitor.config.place("SimulatorOutputs", index, "type")
-                fields = {"topic": source.topic, "type": type_, "declared": source.type}
-                yield problem("I012.type", place, **fields)
 
 
 def _misfits(monitor: BoundMonitor, types: MessageFields) -> Iterator[Problem]:

@@ -21,8 +21,6 @@ from eddi_scaffold.monitors.robots import fleet_message
 from eddi_scaffold.recordings.csv_recording import Recording, header_of, read_rows, recording_of
 from eddi_scaffold.recordings.node import Message, Publications, blank
 
-_LAYOUT = "layout"  # of a MultiArray, beside its one value
-
 
 @dataclass(frozen=True)
 class Code:
@@ -101,7 +99,7 @@ class Member:
     def message_of(self, message_type: str) -> _OneValue | None:
         """Return how a message is made of the one value in it; ``None``: there are several."""
         fields = known_types(self.monitor.config, known_messages()).get(message_type, {})
-        names = [name for name in fields if name != _LAYOUT]
+        names = [name for name in fields if name != "layout"]  # of a MultiArray
         types = [python_type(fields[name]) for name in names]
         if len(names) != 1 or types[0] not in get_args(InputType):
             return None

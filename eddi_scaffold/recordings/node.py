@@ -37,7 +37,6 @@ WORDS = Fleet("", "", None, 0.0).words().id
 _HELPERS: Mapping[str, Callable[..., Any]] = {
     called.__name__: called for called in (by_id, by_key, by_name, given, joined)
 }
-_HEADER = "std_msgs/Header"
 _PLAIN_DEFAULTS: Mapping[str, Any] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
 
 
@@ -58,7 +57,7 @@ def message_of(tree: Tree) -> Message:
     name, fields = tree
     types = known_messages()[f"eddi_messages/{name}"].items()
     content = {
-        field: blank(_HEADER) if type_ == _HEADER else _content(type_, fields[field])
+        field: blank(type_) if type_ == "std_msgs/Header" else _content(type_, fields[field])
         for field, type_ in types
     }
     return Message(**content, message_type=f"eddi_messages/{name}")

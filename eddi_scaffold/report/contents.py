@@ -7,10 +7,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.hazards import ClaimSupport, HazardRow
 from eddi_scaffold.deployments.injection import Row as Reaction
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
+from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.packages.verifying import Verified
 from eddi_scaffold.report.formats import Case, Item, Key, Node, export_ids
 
@@ -183,6 +187,22 @@ class Report:
             cases += [Case(package, line, "", "written by hand") for line in of.evidence["not"]]
             suites[package] = ({"model_sha256": of.sha256}, cases)
         return suites
+
+
+def page(report: Report) -> str:
+    """Return the report as one page that needs nothing else: no script, no font, no link."""
+    environment = Environment(
+        loader=PackageLoader("eddi_scaffold", "report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("page.html.jinja").render(
+        report=report,
+        states={package: state_of(of) for package, of in report.verified.items()},
+        picture=Markup(drawn(report.diagram)),  # noqa: S704 - its texts are escaped where it is drawn
+    )
 
 
 def state_of(of: Verified) -> str:

@@ -257,13 +257,12 @@ def junit(suites: Mapping[str, tuple[Mapping[str, str], Sequence[Case]]]) -> str
     """Return a suite for each monitor, of its properties (digests) and cases."""
     root = Element("testsuites")
     for name, (properties, cases) in suites.items():
-        counts = {
-            "tests": len(cases),
-            "failures": sum(bool(case.failure) for case in cases),
-            "errors": 0,
-            "skipped": sum(bool(case.not_covered) for case in cases),
+        numbers = {
+            "tests": str(len(cases)),
+            "failures": str(sum(bool(case.failure) for case in cases)),
+            "errors": "0",
+            "skipped": str(sum(bool(case.not_covered) for case in cases)),
         }
-        numbers = {key: str(count) for key, count in counts.items()}
         suite = SubElement(root, "testsuite", {"name": name, **numbers})
         about = SubElement(suite, "properties")
         for key, value in properties.items():

@@ -32,9 +32,6 @@ PATIENCE_S = 3.0  # without a message, after which a verdict counts as unknown, 
 _MISSED = 3  # as many usual periods without a message mean silence, where these are longer
 _GAPS = 5
 _CHANGES = 200
-_UNREADABLE = (AttributeError, TypeError, ValueError)
-"""What a message raises that has the name of ours, and other fields."""
-
 
 _HOLDS: Mapping[int, State] = {FALSE: "not active", UNKNOWN: "unknown", TRUE: "active"}
 _HAZARDS: Mapping[State, str] = {"active": "absent", "not active": "present"}
@@ -238,7 +235,7 @@ class FleetState:
                 return []
             title, listen = status_messages()[message.type]
             reading = listen(message.content)
-        except _UNREADABLE:
+        except (AttributeError, TypeError, ValueError):  # the name of ours, and other fields
             self._note(f"{plain(message.topic)}: not a message {message.type} as known here")
             return []
         key = base_topic(message.topic), message.node

@@ -45,7 +45,7 @@ def robot_graph(robot: RobotView) -> Diagram:
             edges[DiagramEdge(box, node, arrow=False)] = None
             claims.setdefault(monitor.topic, {})[verdict.id] = node
             causes = verdict.why.causes if verdict.why is not None else ()
-            wrong.update((cause.topic, _word(cause.state)) for cause in causes)
+            wrong.update((cause.topic, _WORDS.get(cause.state, cause.state)) for cause in causes)
     for box, monitor in zip(boxes, robot.monitors, strict=True):
         for one in monitor.report.inputs if monitor.report is not None else ():
             node, is_known = f"input {box} {one.id}", one.state == "ok" and not monitor.silent
@@ -68,14 +68,11 @@ def robot_graph(robot: RobotView) -> Diagram:
     return Diagram(f"Robot {robot.name}", (*nodes.values(),), (*edges,), "up", _LEGEND, text)
 
 
-def _word(state: str) -> str:
-    return _WORDS.get(state, state)
-
-
 def _chain(verdict: VerdictView) -> list[str]:
     """Return the first reason without its times, so that the graph stays while it lasts."""
     for cause in verdict.why.causes[:1] if verdict.why is not None else ():
-        parts = [*(f"<- {plain(link)}" for link in cause.path), f"({_word(cause.state)})"]
+        state = _WORDS.get(cause.state, cause.state)
+        parts = [*(f"<- {plain(link)}" for link in cause.path), f"({state})"]
         text = " ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)
         return _wrapped(text)
     return []

@@ -46,7 +46,7 @@ def test_without_metadata_its_files_are_read() -> None:
 def test_what_was_cut_off_can_be_saved() -> None:
     found = played(MESSAGES, "cut_off")
     assert found.status == 2
-    assert "hint: was the recording cut off? `mcap recover cut_off/cut_off.mcap" in found.err
+    assert "hint: of one that was cut off, `rosbag reindex`" in found.err
 
 
 def test_a_message_from_before_the_clock_was_set() -> None:

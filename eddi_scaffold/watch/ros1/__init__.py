@@ -15,7 +15,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from eddi_scaffold.common.problems import EddiError, problem
-from eddi_scaffold.kinds import COMMON, kinds
+from eddi_scaffold.kinds import texts_of_messages
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.watch.messages import GATHER_S, Message
 
@@ -48,11 +48,8 @@ class Ros1Graph:
         raise EddiError(problem("I010.rospy"))
 
     def _is_started(self, python: str) -> bool:
-        texts = {
-            f"{MESSAGE_PACKAGE}/{name}": text
-            for messages in (*(kind.messages for kind in kinds().values()), COMMON)
-            for name, text in messages.items()
-        }
+        messages = texts_of_messages().items()
+        texts = {f"{MESSAGE_PACKAGE}/{name}": text for name, text in messages}
         with contextlib.suppress(OSError):
             self._process = subprocess.Popen(
                 [python, _LISTENER, json.dumps(texts)],
