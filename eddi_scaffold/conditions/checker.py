@@ -22,6 +22,7 @@ _ORDER = ("lt", "le", "gt", "ge")
 _UNIT_OF_BOTH = ("add", "sub", "least", "greatest", "hypot")
 _SAME_UNIT = (*_UNIT_OF_BOTH, *COMPARISONS)
 _KEEPS_UNIT = ("neg", "abs", "sum", "stddev", "average", "max", "min", "median")
+_MOST_WORDS = 500  # characters of the text in a comment; all of a chain would take long
 _VAR_ADVICE = "declare it: VAR {0} : NUMBER, or VAR {0} : BOOL"
 
 
@@ -81,7 +82,7 @@ class Checker:
 
     def _value(self, k: int, node: SyntaxNode, args: list[Value | None]) -> Value | None:
         line, col = self._locate(node.at)
-        words = comment(self.text[node.start : node.end])
+        words = comment(self.text[node.start : min(node.end, node.start + _MOST_WORDS)])
         at = At(f"{line}:{col} {words}", (line, col))
         if self._inside is not None and not self._inside.allows(node, self.scope):
             self.findings.refuse("E007.inside", node.start, word=node.text or word_of(node.op))
