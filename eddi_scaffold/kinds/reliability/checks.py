@@ -65,7 +65,7 @@ def _contents(system: ReliabilitySystem) -> Iterator[Problem]:
 def _chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
     count, initial, errors = len(chain.states), chain.initial, []
     if len(initial) != 1:
-        actual = f"the initial states {', '.join(initial)}" if initial else "none"
+        actual = ", ".join(initial) or "none"
         errors.append(problem("R007.initial", place, name=name, actual=actual))
     elif initial[0] in chain.fail:
         errors.append(problem("R007.starts_failed", place, state=initial[0]))

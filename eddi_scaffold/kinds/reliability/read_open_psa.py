@@ -24,7 +24,6 @@ _CHANGES = {
     "include": "R017.include",
 }
 """What changes the probability of a tree, so that it must not be left out."""
-_ONE_FILE = "the definitions of a model that is in several files must be in one"
 _UNITS = {"hours-1": 1.0, "years-1": 1.0 / 8760.0, "fit": 1e-9, "hours": 1.0, "years": 8760.0}
 _NO_UNITS = ("", "bool", "int", "float", "demands")
 _OPERATIONS: dict[str, Callable[[Sequence[float]], float]] = {
@@ -84,10 +83,8 @@ class _Reader:
     def _place(self, element: Element) -> Place:
         return Place(self.file, line_of(element))
 
-    def _fault(
-        self, case: str, element: Element, /, hint: str | None = None, **fields: Any
-    ) -> EddiError:
-        return EddiError(problem(case, self._place(element), hint=hint, **fields))
+    def _fault(self, case: str, element: Element, /, **fields: Any) -> EddiError:
+        return EddiError(problem(case, self._place(element), **fields))
 
     def declare(self, container: Element, tree: str) -> None:
         """Note the definitions in a container, whose names are those of the file."""
@@ -163,7 +160,7 @@ class _Reader:
             self.events.setdefault(constant, system.BasicEvent(constant, law, place=place))
             return constant
         if _name(element) not in self.names:
-            raise self._fault("R001.unknown_gate", element, hint=_ONE_FILE, name=_name(element))
+            raise self._fault("R001.unknown_gate", element, name=_name(element))
         return _name(element)
 
     def systems(self) -> Iterator[system.ReliabilitySystem]:
