@@ -80,8 +80,7 @@ def parse_shallow(text: str | bytes) -> ast.Module:
     """Return a syntax tree that ``ast.unparse`` and its neighbours can walk.
 
     Raises:
-        SyntaxError: the text is not Python, nested deeper than :data:`DEEPEST`, or holds a number
-            of thousands of digits.
+        SyntaxError: it is not Python, nested deeper than :data:`DEEPEST`, or has a huge number.
     """
     try:
         with warnings.catch_warnings():

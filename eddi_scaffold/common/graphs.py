@@ -60,9 +60,7 @@ _MOST_CYCLES = 20
 def cycles(inputs: Mapping[str, Sequence[str]]) -> list[list[str]]:
     """Return cycles that share no node, :data:`_MOST_CYCLES` at most.
 
-    Returns:
-        Cycles as ids in the direction of support, the first id of the file first, not repeated
-        at the end; empty when there is none.
+    Each has its ids in the direction of support, the first id of the file first, not repeated.
     """
     place = {id_: index for index, id_ in enumerate(inputs)}
     remaining, circles = dict(inputs), list[list[str]]()

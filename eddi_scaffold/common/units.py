@@ -174,21 +174,13 @@ class Quantity(NamedTuple):
 
 
 def rate(quantity: object, unit: str | None = None) -> Quantity:
-    """Read a rate; without a unit it is per hour.
-
-    Raises:
-        QuantityError: it is none, negative, or of an unknown unit.
-    """
+    """Read a rate, per hour without a unit (QuantityError: none, negative, of no known unit)."""
     form = "write a rate such as `1e-5 1/h` or `100 FIT`"
     return _quantity(quantity, unit, form, rate_factor, ("unit of a rate", RATE_UNITS))
 
 
 def duration(quantity: object, unit: str | None = None) -> Quantity:
-    """Read a duration in hours; without a unit it is in hours.
-
-    Raises:
-        QuantityError: it is none, negative, or of an unknown unit.
-    """
+    """Read a duration in hours, as it is without a unit (QuantityError: as of a rate)."""
     form = "write a duration such as `2 h` or `30 min`"
     return _quantity(quantity, unit, form, hours_factor, ("unit of time", DURATION_UNITS))
 
@@ -213,11 +205,7 @@ def _quantity(
 
 
 def seconds(quantity: object) -> float:
-    """Read a duration of up to a year in seconds; only 0 needs no unit.
-
-    Raises:
-        QuantityError: it is none, negative, longer, or has no unit.
-    """
+    """Read a duration of up to a year in seconds (QuantityError: others); 0 needs no unit."""
     hours, has_unit = duration(quantity)
     if hours > 8760.0 or (hours and not has_unit):
         raise QuantityError(f"{quantity!r} is no time of up to a year", "write a time such as 2 s")
@@ -225,11 +213,7 @@ def seconds(quantity: object) -> float:
 
 
 def temperature(quantity: object) -> float:
-    """Read a temperature with its unit in degC.
-
-    Raises:
-        QuantityError: it is none, has no unit, or lies below absolute zero.
-    """
+    """Read a temperature in degC (QuantityError: none, without a unit, below absolute zero)."""
     number, written = _split(quantity, signed=True, form="write a temperature such as `51 degC`")
     if written not in ("degC", "K"):
         raise UnitError(f"{quantity!r} has no unit of temperature", "write degC or K")
@@ -240,11 +224,7 @@ def temperature(quantity: object) -> float:
 
 
 def number(quantity: object, low: float, high: float) -> float:
-    """Read a number between two limits, inclusive.
-
-    Raises:
-        QuantityError: it is none, or out of range.
-    """
+    """Read a number between two limits, inclusive (QuantityError: none, out of range)."""
     value, unit = _split(quantity, signed=True)
     if unit is not None:
         raise UnitError(f"{quantity!r} has a unit, a number without one is expected")

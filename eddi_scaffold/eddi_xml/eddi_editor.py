@@ -1,8 +1,7 @@
 """The files of EDDI-Editor, turned into the form of EMF that the readers of all kinds know.
 
-Its serialiser knows no references: an object that is referred to is written again in full at each
-place. Here it becomes one element, and its copies become references. A failure is known by its Id
-and its name, a state by its name in its machine; a basic event is its failure.
+It writes an object again in full wherever one refers to it: one becomes an element, its copies
+references. A failure is known by Id and name, a state by its name; a basic event is its failure.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Hazards, measures and requirements of an EDDI, and the guarantees that they name.
 
-Severities and the like are texts, as the analyst wrote them. A guarantee is linked by the map
-``eddi.mitigated_by``, because somebody decided it; what only observes (``eddi.monitored_by``, also
-of a failure) stays apart.
+Severities and the like are texts. A guarantee is linked by the map ``eddi.mitigated_by``, because
+somebody decided it; what only observes (``eddi.monitored_by``, also of a failure) stays apart.
 """
 
 from __future__ import annotations

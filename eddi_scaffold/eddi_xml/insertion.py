@@ -38,11 +38,7 @@ class _Span(NamedTuple):
 def with_map(
     data: bytes, document: EddiDocument, at: Element, key: str, values: Sequence[tuple[str, str]]
 ) -> bytes:
-    """Return the bytes of an EDDI with a map on an element; one of the same model is replaced.
-
-    Raises:
-        EddiError: the file cannot be changed as a text (X036).
-    """
+    """Return an EDDI with a map on an element, also for one of its model (EddiError, X036)."""
     mark = codecs.BOM_UTF8 if data.startswith(codecs.BOM_UTF8) else b""
     encoding = encoding_of(document.document)
     try:

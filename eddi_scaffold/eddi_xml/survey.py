@@ -1,8 +1,6 @@
 """What is in an EDDI, for ``show`` and for reports, and what of it no monitor is made of.
 
-A survey visits every element, whether or not we have a monitor for it. Models in packages that
-nothing reads would otherwise be lost silently; so would misspelt classes, references that no
-monitor uses, and one of two spellings of one thing.
+A survey visits every element: models that nothing reads would otherwise be lost silently.
 """
 
 from __future__ import annotations

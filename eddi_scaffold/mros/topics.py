@@ -63,10 +63,9 @@ def simulator_outputs(
     Args:
         system: what runs.
         models: what the nodes are.
-        include: topics in addition to the published ones: those that the system only subscribes,
-            those of its action servers.
+        include: further topics: `subscribed` by the system only, those of its `actions`.
         existing: entries of a configuration, whose ids stay.
-        names: the names of the system, or of the node models where the system's are not used.
+        names: those of the system, or of the node models.
 
     References that do not resolve are problems, and the rest is returned all the same. The id of an
     existing entry that may be among what did not resolve is given to nothing else.

@@ -24,11 +24,7 @@ _NAME = re.compile(r"(?m)^static \w+ (\w+)\(")
 
 
 def c_files(model: StandaloneMonitor) -> dict[str, str]:
-    """Return file name -> text of the monitor in C99.
-
-    Raises:
-        EddiError: C has no lists or numbers in texts yet (E026).
-    """
+    """Return file name -> text of the monitor in C99 (EddiError, E026: lists, numbers in texts)."""
     reads = [(read, model.sampling.uses[k]) for k, read in enumerate(model.program.reads)]
     used = {use for read, uses in reads if read.reduction is not None or read.text for use in uses}
     inputs = [model.sampling.inputs[k] for k in sorted(used)]

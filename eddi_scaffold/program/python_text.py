@@ -50,11 +50,7 @@ def call(name: str, positional: Iterable[Part], **keywords: Part) -> Group:
 
 
 def literal(value: object) -> Part:
-    """Return a value of JSON, or a tuple of such values, as Python text.
-
-    Raises:
-        TypeError: it is of another type.
-    """
+    """Return a value of JSON, or a tuple of such values, as Python text (TypeError: others)."""
     if value is None or isinstance(value, bool):
         return repr(value)
     if isinstance(value, str):
