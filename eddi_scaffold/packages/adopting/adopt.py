@@ -190,10 +190,7 @@ def _bodies(module: ParsedModule, prefix: str) -> Iterator[Body]:
 
 
 def _observed(config: ParsedModule | None) -> Iterator[str]:
-    """Yield the nodes of a network, as named in Python, of which code sets an outcome.
-
-    What counts is the body, not the frame around it.
-    """
+    """Yield the nodes, as named in Python, of which the body (not its frame) sets an outcome."""
     for method in config.methods.values() if config is not None else ():
         if method.name.startswith("node_") and method.region is not None:
             inside = (s for s in method.tree.body if s not in method.outside)
