@@ -31,7 +31,6 @@ def main() -> None:
 
 
 def _status(arguments: Sequence[str]) -> int:
-    """Run one command and return its exit status."""
     console.quiet, console.verbose = False, False
     with_traceback = "--traceback" in arguments
     try:

@@ -114,7 +114,6 @@ def generate(
 def _generate_fleet(
     deployment: Path, folder: Path | None, others: Sequence[str], *, dry_run: bool
 ) -> None:
-    """Write a workspace for each robot of a deployment file, and one for the station."""
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.deployments.fleet_checks import sites_of
     from eddi_scaffold.monitors.loading import checked_models
@@ -271,7 +270,6 @@ def _report(outcome: WriteResult, *, dry_run: bool) -> None:
 
 
 def _list_changes(outcome: WriteResult, changed: Mapping[str, bytes | None]) -> None:
-    """Print each file that may be edited, and a count of the others."""
     changes = {
         path: "removed" if content is None else "changed" if path in outcome.before else "new"
         for path, content in changed.items()

@@ -140,6 +140,7 @@ def upgrade(
 
 def regions(
     path: Annotated[Path, typer.Argument()] = Path(),
+    workspace: WherePackagesAre = None,
     check: bool = False,
     accept: list[str] | None = None,
     as_json: bool = False,
@@ -156,6 +157,7 @@ def regions(
     from eddi_scaffold.packages.handwritten import accept_regions, packages_below
     from eddi_scaffold.regions.check import list_regions
 
+    path = path if workspace is None else workspace
     for region_id in accept_regions(path, accept) if accept else ():
         console.say(f"accepted {region_id}")
     entries = [

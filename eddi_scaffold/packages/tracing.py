@@ -214,10 +214,7 @@ def _is_inside(path: str, above: str | None) -> bool:
 def _with_support(
     rows: Sequence[TraceRow], facts: MonitorFacts, published: Mapping[str, str]
 ) -> list[TraceRow]:
-    """Return claims, which have a name in messages, with the links of what they rest on.
-
-    These lead back to their hazards.
-    """
+    """Return claims with the links of what they rest on, which lead back to their hazards."""
     linked = {row.id: row.links for row in rows if row.links}
     rests_on = {published.get(claim.id, claim.id): claim.rests_on for claim in facts.claims}
     supported = []
