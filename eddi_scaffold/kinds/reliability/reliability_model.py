@@ -26,7 +26,7 @@ from eddi_scaffold.kinds.reliability.system import NAME, Chain, FaultTree, Relia
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.kinds.reliability.vectors import system_vectors
 from eddi_scaffold.kinds.reliability.verify import verify
-from eddi_scaffold.kinds.reliability.write import to_yaml
+from eddi_scaffold.kinds.reliability.write import to_open_psa, to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
@@ -84,6 +84,10 @@ class ReliabilityModel(kinds.Model):
 
     def write(self) -> Mapping[str, str]:
         return {f"{self.safe_name}.yml": to_yaml(self.data)}
+
+    def export(self) -> Mapping[str, str]:
+        tree = to_open_psa(self.data)
+        return {**self.write(), **({f"{self.safe_name}.opsa.xml": tree} if tree else {})}
 
     def diagram(self) -> Diagram:
         return show.picture(self.name, self.data)

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import random
 from pathlib import Path
 
 import pytest
@@ -9,8 +10,17 @@ import pytest
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.kinds.reliability.show import at_start
-from eddi_scaffold.kinds.reliability.system import Law
+from eddi_scaffold.kinds.reliability.system import (
+    BasicEvent,
+    ComponentModel,
+    FaultTree,
+    Gate,
+    Law,
+    ReliabilitySystem,
+)
+from eddi_scaffold.kinds.reliability.write import to_open_psa
 from eddi_scaffold.monitors.loading import read_models
+from tests.kinds.reliability.monitors import sound
 
 DATA = Path(__file__).parents[2] / "data"
 NUMBERS = {"a": 0.25, "b": 0.5, "c": 0.125}
@@ -125,3 +135,55 @@ def test_constants_are_put_in_before_the_diagram_is_built() -> None:
     file = DATA / "oracles/field/constant-events/plant.xml"
     reading = read_models(Source(file.name, file.read_bytes()))
     assert p_fail(reading.models[0]) == pytest.approx(2.999997000001e-06, rel=1e-12)
+
+
+def drawn(chance: random.Random) -> ReliabilitySystem:
+    """Return a random tree of every gate and law that the format has."""
+    laws = [
+        lambda: Law("exponential", (chance.random() * 2,)),
+        lambda: Law("weibull", (chance.random() * 3 + 0.1, chance.random() * 3 + 0.3)),
+        lambda: Law("fixed", (chance.choice([0.0, 1.0, chance.random()]),)),
+    ]
+    names = [f"E{k}" for k in range(chance.randint(2, 6))]
+    events = {name: BasicEvent(name, chance.choice(laws)()) for name in names}
+    gates = {}
+    for k in range(chance.randint(1, 5)):
+        of = chance.choice(["AND", "OR", "XOR", "NOT", "VOTE"])
+        count = 1 if of == "NOT" else chance.randint(1, min(4, len(names)))
+        below = tuple(chance.sample(names, count))
+        least = chance.randint(1, count) if of == "VOTE" else None
+        names.append(f"G{k}")
+        gates[f"G{k}"] = Gate(f"G{k}", of, below, least)
+    content = FaultTree(names[-1], events, gates)
+    return ReliabilitySystem({"T": ComponentModel("T", "fault_tree", content)}, "T")
+
+
+def test_what_is_written_is_read_back() -> None:
+    chance = random.Random(1)
+    for _ in range(100):
+        system = drawn(chance)
+        text = to_open_psa(system)
+        assert text is not None
+        reading = read(text)
+        assert reading.problems == (), text
+        found = at_start(reading.models[0].data).p_fail
+        assert found == pytest.approx(at_start(system).p_fail, rel=1e-12), text
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("{type: OR, of: [A, B]}", "{type: PAND, of: [A, B]}"),
+        ("{rate: 1e-3 1/h}", "{rate: 1e-3 1/h, age: 5 h}"),
+        ("    gates:", "    age: 5 h\n    gates:"),
+        ("models:", "models:\n  c: {type: k_out_of_n, k: 2, rate: 1e-3 1/h, max: 3}"),
+    ],
+)
+def test_what_the_format_does_not_have_is_not_written(change: tuple[str, str]) -> None:
+    text = (
+        "models:\n  t:\n    type: fault_tree\n    gates: {T: {type: OR, of: [A, B]}}\n"
+        "    events: {A: {rate: 1e-3 1/h}, B: {rate: 1e-4 1/h}}\n"
+    )
+    assert to_open_psa(sound(text).data) is not None
+    assert change[0] in text
+    assert to_open_psa(sound(text.replace(*change)).data) is None
