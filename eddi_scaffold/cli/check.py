@@ -122,7 +122,8 @@ def show(
         if as_json:
             console.json(robot.document)
         else:
-            console.data("\n".join(robot.tree))
+            if robot.tree:
+                console.data("\n".join(robot.tree))
             console.problems(robot.problems)
         if has_errors(robot.problems):
             raise typer.Exit(ExitStatus.NO if robot.tree else ExitStatus.BAD_INPUT)

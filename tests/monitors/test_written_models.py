@@ -68,7 +68,7 @@ def test_random_eddis(tmp_path: Path) -> None:
 
 def test_models_with_every_key(tmp_path: Path) -> None:
     counts = check(({path.name: path.read_bytes()} for path in DATA.iterdir()), tmp_path)
-    assert counts == {"reliability": 3}
+    assert counts == {"reliability": 4}
 
 
 NETWORK = """network n {}

@@ -55,9 +55,11 @@ class Laws:
     ) -> Law | None:
         """Return the law by the distribution, which counts where a rate is given, too."""
         distribution = self.findings.only(element, feature)
-        text = self.document.attribute(element, rate_feature)
+        text, name = self.document.attribute(element, rate_feature), rate_feature.name
         try:
             if distribution is not None and not self.document.is_no_law(distribution):
+                if text and text.strip("0. "):  # EMF may write what is not given
+                    self.findings.report("X014.rate", distribution, subject=subject, rate=name)
                 return self._distribution(distribution, subject)
             return Law("exponential", (self._number(element, text, subject),)) if text else None
         except units.QuantityError as fault:

@@ -114,6 +114,8 @@ class _Reader:
             self.problems += fault.problems if fault else ()
 
     def define(self) -> None:
+        # what was refused may define what others name
+        is_complete = all(problem.code != "R017" for problem in self.problems)
         for key, element in self.names.items():
             formulas = _parts(element)
             try:
@@ -125,7 +127,7 @@ class _Reader:
                     law = self._law(element, key)
                     self.events[key] = system.BasicEvent(key, law, place=self._place(element))
             except EddiError as fault:
-                self.problems += fault.problems
+                self.problems += [p for p in fault.problems if is_complete or p.code != "R001"]
 
     def _formula(self, key: str, element: Element, depth: int) -> None:
         """Read a formula as the gate of this key, and those within it as gates of their own."""
