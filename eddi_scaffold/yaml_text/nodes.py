@@ -274,20 +274,9 @@ _RESOLVE = "keep what is right of both sides, and delete the lines `<<<<<<<`, `=
 
 
 @dataclass
-class _Open:
-    """A list or map that is still being read."""
-
+class _Open:  # a list or map that is still being read
     event: Any  # with which it begins
     children: list[Node] = field(default_factory=list)
-
-
-def _measured(node: Node) -> tuple[int, int]:
-    """Return the number of nodes and of levels in a node."""
-    children = items_of(node)
-    if isinstance(node, Map):
-        children = tuple(value for _, value in node.entries)
-    measures = [_measured(child) for child in children]
-    return 1 + sum(count for count, _ in measures), 1 + max((n for _, n in measures), default=0)
 
 
 class _Composer:
@@ -299,6 +288,7 @@ class _Composer:
         self.open: list[_Open] = []
         self.anchors: dict[str, Node] = {}
         self.aliased = 0  # nodes in all that aliases stand for
+        self.measures: dict[int, tuple[int, int]] = {}  # id of what is in a node -> see `_measured`
         self.roots: list[Node] = []
 
     def compose(self, source: Source) -> None:
@@ -363,7 +353,7 @@ class _Composer:
                 raise self._fault(
                     f"no node before has the anchor of *{event.anchor}", place, _QUOTE
                 )
-            count, levels = _measured(self.anchors[event.anchor])
+            count, levels = self._measured(self.anchors[event.anchor])
             self.aliased += count
             if self.aliased > MAX_ALIASED:
                 reason = f"aliases stand for more nodes than the limit of {MAX_ALIASED}"
@@ -375,6 +365,17 @@ class _Composer:
             if self.roots and not self.has_many:
                 raise self._fault("the file contains more than one document", place)
             self.anchors.clear()
+
+    def _measured(self, node: Node) -> tuple[int, int]:  # nodes and levels
+        if isinstance(node, Scalar):
+            return 1, 1
+        parts = node.items if isinstance(node, Items) else node.entries
+        if id(parts) not in self.measures:
+            values = (part[1] if isinstance(part, tuple) else part for part in parts)
+            measures = [self._measured(value) for value in values]
+            count, levels = sum(n for n, _ in measures), max((n for _, n in measures), default=0)
+            self.measures[id(parts)] = 1 + count, 1 + levels
+        return self.measures[id(parts)]
 
     def _add(self, node: Node, anchor: str | None) -> None:
         if anchor is not None:
