@@ -77,8 +77,8 @@ def said(folder: Path, old: str, new: str) -> list[str]:
             "Rotors:",
             "Rotrs:",
             (
-                "8:5 R001 model 'Rotrs' has no type | models: Rotors, MissionLoss; or write `type:` and"
-                f" one of {', '.join(TYPES)}"
+                "8:5 R001 model 'Rotrs' has no type | models: Rotors, MissionLoss; or write "
+                f"`type:` and one of {', '.join(TYPES)}"
             ),
         ),
     ],
