@@ -91,7 +91,7 @@ def checked(monitor: BoundMonitor, text: str) -> tuple[list[str], list[Finding]]
         emitted = Emitted(text, kind, declared, formats)
         findings = emitted.findings
         proved += monitor.model.verify(emitted)
-        proved += [plural(len(monitor.bound), "input"), *expressions(emitted)]
+        proved += ["the table of inputs", *expressions(emitted)]
         emitted.end()
     except UnprovedError as refused:
         findings.append(Finding(refused.line, str(refused), differs=False))
