@@ -173,7 +173,7 @@ def test_quiet_and_verbose(folder: Path) -> None:
     assert run("-q", "check", "nothere", cwd=folder).err.count("\n") == 1
     assert "[S007]" in run("check", MODEL, "--verbose", cwd=folder).err
     normal = run("check", MODEL, cwd=folder)
-    assert normal.err == f"no problems in {MODEL} (-v shows 3 infos)\n"
+    assert normal.err == f"no problems in {MODEL} (-v shows 2 infos)\n"
 
 
 @tabled

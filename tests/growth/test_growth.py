@@ -37,7 +37,7 @@ def no_vectors(monkeypatch: pytest.MonkeyPatch) -> None:
     """Take test vectors away: their work grows until a bound of its own."""
     for kind in kinds().values():
         monkeypatch.setattr(kind.model_class, "vectors", lambda *_: "")
-    monkeypatch.setattr("eddi_scaffold.conditions.standalone.vectors_file", lambda _: {})
+    monkeypatch.setattr("eddi_scaffold.conditions.standalone.vectors_of_conditions", lambda _: {})
 
 
 def reader_of(one: Growing, folder: Path) -> Reader:
