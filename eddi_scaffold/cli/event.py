@@ -70,7 +70,7 @@ def event(
 
     # a text that is too long for a name, or has a NUL, is no file for `isfile`
     is_file = os.path.isfile(text or "") or (text or "").endswith(".events")  # noqa: PTH113
-    path = Path(text) if text and is_file else file
+    path = Path(text) if text and (is_file or config is not None) else file
     if not serve and name is not None:
         check_module_name(name)
     if not serve and (None not in {text, file} or {text, file, config} == {None}):
@@ -80,7 +80,7 @@ def event(
             raise EddiError(problem("E026.conditions"))
         report, printed, files = _of_model(path, config, target, name, as_json=as_json)
         if check and output is not None:
-            _compare(printed, output)
+            _compare(printed, output, as_json=as_json)
         else:
             _write(report, files, output, as_json=as_json)
         return
@@ -105,7 +105,7 @@ def event(
     if inputs is not None:
         _try(analysis, inputs, as_json=as_json)
     elif check and output is not None and target == "c":
-        _compare(monitor_model(analysis, name or module_name(own)), output)
+        _compare(monitor_model(analysis, name or module_name(own)), output, as_json=as_json)
     elif check and as_json:
         console.json(report_json(analysis))
     elif check:
@@ -161,7 +161,8 @@ def _of_model(
     from eddi_scaffold.packages.assembly import monitors_of, only
 
     monitors, problems = monitors_of(path, [config] if config is not None else [])
-    monitor = only(monitors)
+    # a file of several monitors may be given: the model says which
+    monitor = only([of for of in monitors if of.model.source.name == str(path)] or monitors)
     problems = [*problems, *without_limits(monitor)]
     printed = standalone(monitor, target, name or monitor.package)
     if not as_json:
@@ -170,19 +171,25 @@ def _of_model(
     return report, printed, in_c(monitor, printed)
 
 
-def _compare(model: StandaloneMonitor, folder: Path) -> None:
+def _compare(model: StandaloneMonitor, folder: Path, *, as_json: bool) -> None:
     """Say whether the C in a folder is a monitor."""
     from eddi_scaffold.evidence.c_text import difference
     from eddi_scaffold.program.c_files import library, types
 
     names = [f"{model.name}_{model.kind}.{suffix}" for suffix in "hc"]
     texts = {name: read_source(folder / name).text("E001") for name in names}
-    different = difference(model, texts, types(), library().values())
-    if different is not None:
+    different = difference(model, texts, types(), library())
+    rest = [f"{model.name}_{part}.c" for part in ("main", "vectors")]
+    if as_json:
+        keys = dict(zip(("file", "line", "text"), different, strict=True)) if different else None
+        console.json({"proved": different is None, "differs": keys, "not_covered": rest})
+    elif different is None:
+        console.data(f"{', '.join(names)}: proved; not looked at: {' and '.join(rest)}")
+    else:
         file, line, text = different
         console.data(f"{folder / file}:{line}: differs: {text}")
+    if different is not None:
         raise typer.Exit(ExitStatus.NO)
-    console.data(f"{', '.join(names)}: proved; not looked at: {model.name}_main.c")
 
 
 def _write(
@@ -200,6 +207,8 @@ def _write(
         console.json({**report, "files": files})
     elif output is not None:
         console.data("\n".join(str(output / file) for file in sorted(files)))
+        if any(f.endswith(".h") for f in files) and not any("_vectors." in f for f in files):
+            console.say("note: no test vectors: a window is long, or inputs are texts or computed")
     elif len(files) > 1:
         raise EddiError(problem("G000.folder"))
     else:

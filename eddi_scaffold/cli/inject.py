@@ -43,6 +43,8 @@ def inject(
         vectors: Inject nothing: write the test vectors of a ConSert as this bag, of ROS 1 (`.bag`)
             or 2.
     """
+    if vectors is not None and (inputs or bag):
+        raise EddiError(problem("G000.exclude", options="--vectors and a recording"))
     if vectors is not None:
         _write_vectors(vectors, files or [])
         return
@@ -84,12 +86,19 @@ def _write_vectors(path: Path, files: Sequence[Path]) -> None:
     except ImportError:
         raise EddiError(problem("I010.rosbags")) from None
 
+    place = Place(str(path))
+    if path.exists() or not path.name:
+        raise EddiError(problem("G003.recording_exists", place))
     members, problems = members_of(files, None, _OPTIONS, code=False)
     console.problems(problems)
-    bag, number, left = bag_of(only([member.monitor for member in members]), path.name)
-    if not number:
-        raise EddiError(problem("G000.no_vectors", Place(str(path))))
+    monitors = [member.monitor for member in members]
+    bag, told, left = bag_of(
+        only([of for of in monitors if of.kind.name == "consert"] or monitors), path.name
+    )
+    if not told:
+        raise EddiError(problem("G000.no_vectors", place))
     write(path.parent, bag)
-    console.data(f"{path}: {plural(number, 'vector')}")
+    console.data("\n".join(told))
+    console.say(f"{path}: {plural(len(told), 'vector')}")
     if left:
         console.say(f"these cannot be messages: {', '.join(left)}")

@@ -23,9 +23,16 @@ if TYPE_CHECKING:
     from eddi_scaffold.program.standalone import StandaloneMonitor
 
 _FORMS = tomllib.loads(files(__package__).joinpath("c_forms.toml").read_text("utf-8"))
-_TEXT_OR_COMMENT = re.compile(r'("(?:[^"\\]|\\.)*")|/\*.*?\*/', re.DOTALL)
+_TEXT_OR_COMMENT = re.compile(
+    r"""(?mx) ("(?:[^"\\\n]|\\.)*")  # a text stays as it is
+    | ^[ \t]* /\* (?:(?!\*/)[\s\S])* \*/ [ \t]*$  # lines of their own
+    | /\* (?:(?!\*/).)* \*/  # a part of a line"""
+)
+_SPLICE = re.compile(r"(?:\\|\?\?/)\s*\n")  # joins lines before there are comments
+_CALLED = re.compile(r"\b([a-z_]\w*)\(")
 _BUFFER = re.compile("|".join(_FORMS["buffers"]))
 _LETTER = re.compile(r"(?<![A-Z])[ABCKNRV](?![A-Z])")
+_LIMIT = "INT64_C(4611686018427387903)"  # beyond, differences of times do not fit into 64 bits
 _LEAVES = ("variable", "number", "truth", "literal")
 _TYPES = {"number": "double ", "bool": "int ", "enum": "int ", "text": "const char *"}
 _UNKNOWN = {"number": "NAN", "bool": "1", "enum": "-1", "text": "NULL"}
@@ -33,7 +40,7 @@ _KNOWN = {"number": "!isnan(X)", "bool": "X != 1", "enum": "X >= 0", "text": "X 
 
 
 def difference(
-    model: StandaloneMonitor, texts: Mapping[str, str], types: str, functions: Iterable[str]
+    model: StandaloneMonitor, texts: Mapping[str, str], types: str, functions: Mapping[str, str]
 ) -> tuple[str, int, str] | None:
     """Return file, line and what the model says, where the C is not what was read.
 
@@ -41,11 +48,21 @@ def difference(
         model: what was read.
         texts: file name -> text, of the header and the functions.
         types: of the library, which begin the header.
-        functions: of the library.
+        functions: name -> text of those of the library.
     """
     expected = _Expected(model).files("\n".join(line for _, line in _lines(types)))
     for file, text in expected.items():
-        got = _lines(texts.get(file, ""), functions)
+        written = texts.get(file, "")
+        if splice := _SPLICE.search(written):
+            number = written.count("\n", 0, splice.start()) + 1
+            return file, number, "a line that goes on in the next one"
+        blocks = {block.strip() for block in written.split("\n\n")}
+        present = {name for name, function in functions.items() if function in blocks}
+        called = functions.keys() & _CALLED.findall("\n".join(line for _, line in _lines(written)))
+        if file.endswith(".c") and called != present:
+            names = ", ".join(sorted(called ^ present))
+            return file, 1, f"{names} is not as in the library"
+        got = _lines(written, functions.values())
         for (number, line), (_, wanted) in zip_longest(got, _lines(text), fillvalue=(0, "")):
             if line != wanted:
                 return file, number, f"{line!r}, the model says {wanted!r}"
@@ -56,7 +73,7 @@ def _lines(text: str, library: Iterable[str] = ()) -> Iterator[tuple[int, str]]:
     """Yield the lines with their numbers, without comments and functions of the library."""
     number = 1
     for block in text.split("\n\n"):
-        plain = _TEXT_OR_COMMENT.sub(lambda of: of[1] or "\n" * of[0].count("\n"), block)
+        plain = _TEXT_OR_COMMENT.sub(lambda of: of[1] or " " + "\n" * of[0].count("\n"), block)
         for k, line in enumerate(() if block.strip() in library else plain.split("\n")):
             if line.strip():
                 yield number + k, line.strip()
@@ -183,6 +200,8 @@ class _Expected:
                 wrong += [f"isfinite({x}) && {outside}" if read.infinite else outside]
         yield from (f"if ({test}) {lose}" for test in wrong)
         if read.stamped:
+            outside = f"{x}_stamp > {_LIMIT} || {x}_stamp < -{_LIMIT}"
+            yield f"if ({outside}) {{ {x} = {_UNKNOWN[read.type]}; {x}_stamp = t; }}"
             yield f"if ({x}_stamp > t) {{"
             yield f"if ({x}_stamp - t > INT64_C({self.program.period})) {lose}"
             yield f"{x}_stamp = t;\n}}"

@@ -9,6 +9,7 @@ from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.program.instructions import (
     BUFFERED,
     LEAVES,
+    MAX_NS,
     STARTS,
     WINDOWS,
     Interval,
@@ -203,7 +204,9 @@ class CStep:
         lines = [f"if ({test}) {{ {name} = {unknown}; }}" for test in wrong]
         if not read.stamped:
             return lines
-        stamp = f"{name}_stamp"
+        stamp, limit = f"{name}_stamp", int64(MAX_NS - 1)  # differences fit into 64 bits
+        outside = f"{stamp} > {limit} || {stamp} < -{limit}"
+        lines += [f"if ({outside}) {{ {name} = {unknown}; {stamp} = t; }}"]
         lines += [f"if ({stamp} > t) {{"]
         lines += [f"    if ({stamp} - t > {int64(self._program.period)}) {{ {name} = {unknown}; }}"]
         lines += [f"    {stamp} = t;", "}"]

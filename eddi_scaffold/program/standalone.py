@@ -24,8 +24,9 @@ _C_WORDS = """auto break case char const continue default do double else enum ex
 if inline int long main register restrict return short signed sizeof static struct switch typedef
 union unsigned void volatile while bool true false"""
 _C_TYPES = "clock fpos intmax intptr off ptrdiff size ssize time uintmax uintptr wchar wint"
-"""Names that are a type of the C library with ``_t`` behind them, as a monitor's struct has."""
-_TAKEN = {*_C_WORDS.split(), *_C_TYPES.split(), *(name.lower() for name in RESERVED)}
+"""Names that are a type of the C library with ``_t`` behind them, as a monitor's struct has; with
+``ring`` the functions would have the names of those for windows."""
+_TAKEN = {"ring", *_C_WORDS.split(), *_C_TYPES.split(), *(name.lower() for name in RESERVED)}
 _C_INTEGER = re.compile(r"u?int(_least|_fast)?[0-9]+")
 
 

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import reduce
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -34,8 +35,8 @@ _ENDS = ({"is": "inf"}, {"is": "-inf"})
 _ROS2_VERSION: Any = 9
 
 
-def bag_of(monitor: BoundMonitor, name: str) -> tuple[dict[str, bytes], int, list[str]]:
-    """Return the files of a bag, how many vectors are in it, and those that are no messages.
+def bag_of(monitor: BoundMonitor, name: str) -> tuple[dict[str, bytes], list[str], list[str]]:
+    """Return the files of a bag, when which vector is in it, and those that are no messages.
 
     Each vector lasts for ten periods of the monitor, and until what is silent in it is too old.
 
@@ -56,34 +57,40 @@ def bag_of(monitor: BoundMonitor, name: str) -> tuple[dict[str, bytes], int, lis
     serialize = store.serialize_ros1 if is_ros1 else store.serialize_cdr
     rate = monitor.config.config.Model.frequency if monitor.config is not None else 1.0
     ages = [of.max_age for of in monitor.inputs if isinstance(of.max_age, float | int)]
-    longest = max(data.get("steps", 0), math.ceil(max(ages, default=0) * rate))
+    filtered = max((times for _, times, *_ in data.get("filter", ())), default=0)
+    longest = filtered + math.ceil(max(ages, default=0) * rate)
     periods = max(_PERIODS, longest + 2)
-    left, number = list[str](), 0
+    left, vectors = list[str](), list[tuple[str, list[tuple[str, str, bytes]]]]()
+    for row in data.get("vectors", ()):
+        letters, verdicts, shows = row.split(" ", 2)
+        try:
+            pairs = zip(values.items(), letters, strict=True)
+            given = {id_: of[letter] for (id_, of), letter in pairs}
+            messages = [
+                (topic, type_, bytes(serialize(_message(store, type_, tree), type_)))
+                for (topic, type_), tree in _trees(monitor, inputs, given).items()
+            ]
+        except (FieldPathError, KeyError, TypeError, ValueError):
+            left.append(shows)
+            continue
+        vectors.append((f"{verdicts}  {shows}", messages))
+    if not any(messages for _, messages in vectors):
+        return {}, [], left
+    vectors.sort(key=lambda of: not of[1])  # a bag begins with a message
+    told = [f"{k * periods / rate:8.1f} s  {text}" for k, (text, _) in enumerate(vectors)]
     with TemporaryDirectory() as folder:
         path = Path(folder) / name
         writer: Any = Ros1Writer(path) if is_ros1 else Ros2Writer(path, version=_ROS2_VERSION)
         with writer:
             channels: dict[str, Any] = {}
-            for row in data.get("vectors", ()):
-                letters, _, shows = row.split(" ", 2)
-                try:
-                    pairs = zip(values.items(), letters, strict=True)
-                    given = {id_: of[letter] for (id_, of), letter in pairs}
-                    messages = [
-                        (topic, type_, serialize(_message(store, type_, tree), type_))
-                        for (topic, type_), tree in _trees(monitor, inputs, given).items()
-                    ]
-                except (FieldPathError, KeyError, ValueError):
-                    left.append(shows)
-                    continue
-                for k in range(periods * number, periods * (number + 1)):
-                    for topic, type_, content in messages:
-                        if topic not in channels:
-                            channels[topic] = writer.add_connection(topic, type_, typestore=store)
-                        writer.write(channels[topic], SECOND + round(k / rate * SECOND), content)
-                number += 1
+            for number, (_, messages) in enumerate(vectors):
+                for step, (topic, type_, content) in product(range(periods), messages):
+                    if topic not in channels:
+                        channels[topic] = writer.add_connection(topic, type_, typestore=store)
+                    time = (number * periods + step) / rate
+                    writer.write(channels[topic], SECOND + round(time * SECOND), content)
         files = [path] if is_ros1 else [*path.iterdir()]
-        return {str(of.relative_to(folder)): of.read_bytes() for of in files}, number, left
+        return {str(of.relative_to(folder)): of.read_bytes() for of in files}, told, left
 
 
 def _trees(
@@ -118,14 +125,14 @@ def _path(binding: InputBinding) -> FieldPath:
 
 
 def _tree(path: FieldPath, value: object) -> Any:
-    """Return the fields along a path, in dicts and lists."""
+    """Return the fields along a path: name -> what is in it; for a list, key and its value."""
 
     def around(inner: Any, step: object) -> Any:
         match step:
             case Attribute(name):
                 return {name: inner}
             case ByKey(key, field):
-                return [{field or "id": key, **inner}]
+                return {(field or "id", key): inner}
         raise ValueError(step)
 
     return reduce(around, reversed(path), value)
@@ -133,7 +140,7 @@ def _tree(path: FieldPath, value: object) -> Any:
 
 def _merged(fields: Any, more: Any) -> Any:
     if isinstance(fields, list):
-        return fields + more
+        raise TypeError("two inputs read the same field")
     both = {name: _merged(fields[name], more[name]) for name in fields.keys() & more.keys()}
     return fields | more | both
 
@@ -164,6 +171,8 @@ def _field(store: Any, field: Any, given: Any) -> Any:
                     return held
         raise ValueError(given)
     inner, size = content
+    if isinstance(given, dict):
+        given = [{name: key, **of} for (name, key), of in given.items()]
     items = [_field(store, inner, of) for of in given or [None] * (kind.name == "ARRAY") * size]
     is_list = inner[0].name != "BASE" or inner[1][0] == "string"
     return items if is_list else np.array(items, "uint8" if inner[1][0] == "octet" else inner[1][0])

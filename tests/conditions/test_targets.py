@@ -129,6 +129,27 @@ def test_vectors_of_c_tell_a_changed_monitor(tmp_path: Path) -> None:
         assert done.returncode == min(len(done.stdout.splitlines()), 100)
 
 
+def test_a_time_that_no_clock_tells_is_unknown(tmp_path: Path) -> None:
+    text = "VAR clear : BOOL TIMEOUT 500ms EVENT go (EVIDENCE) := clear"
+    main = """#include "demo_event.h"
+#include <stdio.h>
+static demo_t m;
+int main(void)
+{
+    demo_reset(&m);
+    printf("%d ", (int)demo_step(&m, 1000, 2, INT64_MIN));
+    printf("%d ", (int)demo_step(&m, -INT64_C(4611686018427387904), 2, INT64_MAX));
+    printf("%d", (int)demo_step(&m, 1, 2, 1));
+    return 0;
+}
+"""
+    write_files(tmp_path, generate(analysis_of(text), "c", "demo") | {"own.c": main})
+    sources = [str(tmp_path / name) for name in ("demo_event.c", "own.c")]
+    c_program.compile_c([*c_program.SANITIZE, *sources, "-o", str(tmp_path / "demo"), "-lm"])
+    done = subprocess.run([str(tmp_path / "demo")], capture_output=True, text=True, check=True)
+    assert done.stdout == "1 1 2"
+
+
 def test_fast_math_is_refused(tmp_path: Path) -> None:
     write_files(tmp_path, generate(analysis_of("x > 5"), "c", "demo"))
     with pytest.raises(AssertionError, match="has no NaN"):

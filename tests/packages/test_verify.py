@@ -48,7 +48,10 @@ def test_what_is_proved_tested_trusted(folder: Path) -> None:
     assert done.status == 0
     lines = done.out.splitlines()
     assert lines[0] == "conserta: proved equal to two_conserts.xml (sha256 1cb9cca2)"
-    assert lines[1] == "  proved   System_A_G0, System_A_G1 for all verdicts of 2 inputs; the table of inputs"
+    assert (
+        lines[1]
+        == "  proved   System_A_G0, System_A_G1 for all verdicts of 2 inputs; the table of inputs"
+    )
     assert lines[2] == "  tested   9 vectors, all passed"
     assert lines[3].startswith("  trusted  Python 3.")
     assert lines[4].startswith("consertb: proved")
