@@ -127,7 +127,7 @@ class _Expected:
             step += [f"m->value = {self._value(program.results[0].operation)};"]
         for k, result in results:
             step += [f"publish(&m->events[{k}], {self._value(result.operation)}, {hazards[k]});"]
-        gap = f"}} else if (2 * (t - m->last) > INT64_C({5 * program.period})) {{\nm->since = t;"
+        gap = f"}} else if (t - m->last > INT64_C({5 * program.period // 2})) {{\nm->since = t;"
         texts = {
             "name": name,
             "kind": model.kind,

@@ -195,7 +195,7 @@ def _step(model: StandaloneMonitor, step: CStep) -> str:
     lines += ["if (!m->started || t < m->last) {", "    forget(m);", "    m->started = true;"]
     lines += ["    m->since = t;"]
     if period:
-        lines += [f"}} else if (2 * (t - m->last) > {int64(5 * period)}) {{"]
+        lines += [f"}} else if (t - m->last > {int64(5 * period // 2)}) {{"]
         lines += ["    m->since = t; /* a gap: windows fill again */"]
     lines += ["}", "m->last = t;", *(["age = t - m->since;"] if windows else [])]
     lines += [*step.statements(), ""]
