@@ -91,7 +91,7 @@ def test_differences_have_a_counterexample(
     text = monitor.compiled.text
     assert checked(monitor, text)[0] == [
         "Lift, Lower, Stop for all verdicts of 4 inputs",
-        "4 inputs",
+        "the table of inputs",
     ]
     assert old in text
     finding = checked(monitor, text.replace(old, new, 1))[1][0]
