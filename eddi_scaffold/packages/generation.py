@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import difflib
 import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
@@ -16,7 +15,7 @@ from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.packages.handwritten import write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
-from eddi_scaffold.packages.unpacking import Unpacked, unpacked
+from eddi_scaffold.packages.unpacking import Unpacked, scratch_folder, unpacked
 from eddi_scaffold.packages.workspace import alone, lacks_answers, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers, owner_of
 from eddi_scaffold.regions.check import list_regions
@@ -106,7 +105,7 @@ def write_packages(
     editable: set[str] = set()
     with (
         alone(() if dry_run else filter(Path.is_dir, places.values())),
-        tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch,
+        scratch_folder("eddi-scaffold-") as scratch,
         unpacked(template.bundle or Path(template.location), template.ref) as source,
     ):
         notes = [(note, False) for note in source.notes]  # and whether a person must look

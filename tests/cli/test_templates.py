@@ -1,11 +1,12 @@
 """Where templates come from, what is reported when they cannot be had, and where they render."""
 
+import tempfile
 from pathlib import Path
 
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.packages import rendering
+from eddi_scaffold.packages import rendering, unpacking
 from eddi_scaffold.packages.rendering import Renderer, Template, own_template
 from eddi_scaffold.packages.unpacking import Unpacked, unpacked
 from tests.diagnosed import assert_reported
@@ -86,3 +87,25 @@ def test_what_copier_refuses_is_t004(tmp_path: Path) -> None:
     with pytest.raises(EddiError) as failure:
         renderer.render({"word": "x"}, tmp_path / "out")
     assert_reported("T004", failure.value.problems)
+
+
+def test_it_renders_in_memory_or_where_the_user_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    for name in ("TMPDIR", "TEMP", "TMP"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(unpacking, "_MEMORY", tmp_path)
+    monkeypatch.setattr(unpacking, "_ENOUGH", 0)
+    with unpacking.scratch_folder("eddi-") as folder:
+        assert Path(folder).parent == tmp_path
+        assert Path(folder).stat().st_mode & 0o777 == 0o700
+    other = tmp_path_factory.mktemp("other")
+    monkeypatch.setattr(tempfile, "tempdir", str(other))
+    monkeypatch.setattr(unpacking, "_ENOUGH", 2**80)  # memory is short
+    with unpacking.scratch_folder("eddi-") as folder:
+        assert Path(folder).parent == other
+    monkeypatch.setattr(unpacking, "_ENOUGH", 0)
+    monkeypatch.setenv("TMPDIR", str(other))
+    with unpacking.scratch_folder("eddi-") as folder:
+        assert Path(folder).parent == other
+    assert not list(tmp_path.iterdir())
