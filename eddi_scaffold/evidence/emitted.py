@@ -31,6 +31,7 @@ _FIXED = {
     "NAN = float('nan')": "NAN",
 }
 _IMPORT = r"from ([\w.]+) import (\w+(?:, \w+)*)"
+_COOKIE, _LINE = re.compile(r"[ \t\f]*#.*?coding[:=]"), r"\r\n?|\n"
 _BUILTINS = {*vars(builtins), "__file__", "__spec__"}
 
 
@@ -81,7 +82,10 @@ def data(node: ast.expr) -> Any:
             return [*map(data, node.elts)]
         case ast.Dict() if None not in node.keys:  # such as of `**`
             pairs = zip(node.keys, node.values, strict=True)
-            return {data(key): data(value) for key, value in pairs if key is not None}
+            made = {data(key): data(value) for key, value in pairs if key is not None}
+            if len(made) < len(node.keys):
+                raise UnprovedError(node, "a key has two values")
+            return made
         case ast.Name(id="INF" | "NAN"):
             return float(node.id)
         case ast.Name() | ast.Attribute() | ast.Subscript(value=ast.Attribute()):
@@ -180,7 +184,7 @@ def _check_names(tree: ast.Module, defined: AbstractSet[str]) -> None:
         if {of.id for of in names} - own - defined:
             raise UnprovedError(part, "it uses a name that is not defined")
         calls = (ast.unparse(of.func) for of in nodes if isinstance(of, ast.Call))
-        called = {"INF", "NAN", *(call.partition(".")[0] for call in calls)}
+        called = {"Exception", "INF", "NAN", *(call.partition(".")[0] for call in calls)}
         if part is not tree and own & called & defined:
             raise UnprovedError(part, "a variable hides what is called")
 
@@ -237,6 +241,10 @@ class Emitted:
             names |= {*new}
         if "needs" not in names:
             raise UnprovedError(None, "it does not say which runtime it needs")
+        if names & vars(builtins).keys() or any(
+            map(_COOKIE.match, re.split(_LINE, text, maxsplit=2)[:2])
+        ):
+            raise UnprovedError(None, "a name, or the encoding, means something else in Python")
         _check_names(tree, names | _BUILTINS)
 
     def differs(self, node: ast.AST | None, text: str) -> None:

@@ -11,7 +11,8 @@ from typing import Any
 from eddi_scaffold.evidence.emitted import UnprovedError
 
 _MOST_TERMS = 20_000
-_OPERATIONS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}
+_LARGE = 1e18
+_OPERATIONS = {ast.Add: operator.add, ast.Mult: operator.mul}
 
 
 class Polynomial(dict[tuple[Any, ...], Fraction]):
@@ -41,6 +42,11 @@ def variables(names: Sequence[Any]) -> list[Polynomial]:
     return [Polynomial({(name,): Fraction(1)}) for name in names]
 
 
+def _is_variable(value: Any) -> bool:
+    """Return whether a value is a variable: a difference of others may lose all its digits."""
+    return isinstance(value, dict) and [*map(len, value)] == [1] == [*value.values()]
+
+
 def returned(
     function: ast.AST,
     arguments: str,
@@ -49,7 +55,8 @@ def returned(
 ) -> Any:
     """Return what a function of assignments and a ``return`` gives; of a tuple, a list.
 
-    ``values`` of its arguments, and ``number`` of a constant, can be added and multiplied.
+    ``values`` of its arguments, and ``number`` of a constant, can be added and multiplied. Nothing
+    is subtracted but a variable from one, so what is computed has as many digits as what is exact.
     """
     if not isinstance(function, ast.FunctionDef) or ast.unparse(function.args) != arguments:
         raise UnprovedError(function)
@@ -57,7 +64,7 @@ def returned(
 
     def value_of(node: ast.expr) -> Any:
         match node:
-            case ast.Constant(value=int() | float() as constant) if type(constant) is not bool:
+            case ast.Constant(value=float() as constant) if 0.0 <= constant < _LARGE:
                 return number(constant)
             case ast.Name(id=name) if name in known:
                 return known[name]
@@ -66,6 +73,9 @@ def returned(
             case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=int() as place)):
                 if isinstance(rows := known.get(name), list) and 0 <= place < len(rows):
                     return rows[place]
+            case ast.BinOp(left=ast.Constant(value=1.0), op=ast.Sub(), right=ast.Name() as right):
+                if _is_variable(of := value_of(right)):
+                    return number(1.0) - of
             case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATIONS:
                 try:
                     return _OPERATIONS[type(op)](value_of(left), value_of(right))
@@ -87,7 +97,7 @@ def returned(
         match line:
             case ast.Assign(targets=[target], value=value):
                 assign(target, value_of(value))
-            case ast.Return(value=ast.expr() as value):
+            case ast.Return(value=ast.expr() as value) if line is function.body[-1]:
                 return value_of(value)
             case _:
                 raise UnprovedError(line)

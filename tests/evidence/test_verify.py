@@ -89,6 +89,16 @@ def test_each_statement_is_needed(name: str) -> None:
         ("fault tree", "b1 * 0.009", "b1 * 0.008", "the model says 0.00995016"),
         ("fault tree", "b1 * 50.0", "b1 * b1 * 50.0", "it is no sum over the states"),
         ("not coherent", "(4, 1, 0)", "(4, 0, 1)", "nodes of Tree0 are of another function"),
+        ("fault tree", "n2 = q3", "n2 = q3 + 1e20 - 1e20", "it has no known form"),
+        ("fault tree", "n2 = q3", "n2 = 1.0 - w2 * 1.0", "it has no known form"),
+        (
+            "fault tree",
+            '"Rotors": observed',
+            '"Rotors": exec(""), "Rotors": observed',
+            "two values",
+        ),
+        ("fault tree", '"""MissionLoss', '# coding: latin-1\n"""MissionLoss', "the encoding"),
+        ("fault tree", "import eddi_runtime\n", "import eddi_runtime\nException = 1\n", "a name"),
         ("not coherent", "grows = False", "grows = True", "grows is True, the model says False"),
         ("ready-made", "(0, 1, 0.001)", "(0, 1, 0.002)", "models is {'battery': battery.Battery("),
         ("ready-made", "999.62512", "999.62513", "mean lives of battery 3 is 999.62513"),
@@ -101,6 +111,14 @@ def test_differences_are_told(name: str, old: str, new: str, expected: str) -> N
     assert old in text
     _, findings = checked(monitor, text.replace(old, new, 1))
     assert any(expected in finding.text for finding in findings), findings
+
+
+def test_inputs_of_motors_in_another_order_are_proved(tmp_path: Path) -> None:
+    rates = ", ".join(["1e-5 1/h"] * 4)
+    model = f"type: propulsion, configuration: PNPN, rates: [{rates}], positions: [1, 0, 2, 3]"
+    (tmp_path / "m.yml").write_text(f"horizon: 1 h\nmodels: {{m: {{{model}}}}}\n", "utf-8")
+    (monitor,), _ = monitors_of(tmp_path / "m.yml", [])
+    assert checked(monitor, monitor.compiled.text)[1] == []
 
 
 VOTE = """

@@ -171,19 +171,22 @@ class _Program:
         axes_of = {("table", k): {*self.factors[k][0]} for k in part.nodes if k not in part.roots}
         axes_of |= {("prior" if k in part.roots else "evidence", k): {k} for k in part.inputs}
         places = {("unit", k): {k} for k in part.outputs}  # of ones
-        taken: list[tuple[set[tuple[str, int]], set[int], bool]] = []  # leaves, axes, known
+        # leaves, axes, nodes that are summed over, known
+        taken: list[tuple[set[tuple[str, int]], set[int], set[int], bool]] = []
         given: Any = made.args
         _, name, answers = given
         value = self.emitted.values.pop(str(name), node)
         for row in data(value):
             kind, parts, nodes, _, is_known = row
-            axes = {*nodes}
+            axes, lost = {*nodes}, set[int]()
             if kind == "product":
                 parts = (first, second) = sorted(parts)
-                (leaves, own, a), (others, more, b) = taken[first], taken[second]
+                (leaves, own, of_a, a), (others, more, of_b, b) = taken[first], taken[second]
                 is_right = first >= 0 and not leaves & others and axes <= own | more
                 leaves, can_be_known = leaves | others, a and b
                 gone = (own | more) - axes
+                lost = of_a | of_b | gone
+                is_right &= lost.isdisjoint(axes)
                 is_right &= all(leaf in leaves or not gone & of for leaf, of in axes_of.items())
             else:
                 leaf, can_be_known = (kind, *(parts or nodes)), True
@@ -195,9 +198,9 @@ class _Program:
             expected = (kind, tuple(parts), tuple(sorted(axes)), tuple(seen), is_known)
             if not is_right or repr(row) != repr(expected):
                 raise UnprovedError(value, f"message {len(taken)} is no sum over its nodes")
-            taken.append((leaves, axes, is_known))
+            taken.append((leaves, axes, lost, is_known))
         for output, answer in zip(part.outputs, answers, strict=True):
-            leaves, axes, _ = taken[answer]
+            leaves, axes, *_ = taken[answer]
             if axes != {output} or leaves != axes_of.keys() - {("evidence", output)} or answer < 0:
                 raise UnprovedError(node, "its answers are no posteriors")
         return Call("schedule.Schedule", (Call("nodes"), name, answers))
@@ -209,7 +212,7 @@ class _Program:
             expected: list[object] = [*map(tuple, table)]
             given = rows
             if isinstance(rows, Call) and rows.name == "schedule.rows_of":
-                (text,) = rows.args or ()
+                (text,) = () if rows.keywords else rows.args or ()
                 given = tuple(tuple(map(float, line.split())) for line in text.splitlines())
             if repr((parents, given)) != repr((self.parents[k], tuple(expected))):
                 self.emitted.differs(node, f"the table of node {k} is another one")

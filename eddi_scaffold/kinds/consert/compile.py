@@ -43,7 +43,7 @@ tables does the same, 10 times slower: Python compiles such a text in seconds an
 
 _LEGEND = "# 0 BAD, 1 UNKNOWN, 2 GOOD. AND takes the least, OR the greatest. Active means GOOD.\n"
 _RESERVED = {"float", "getattr", "int", "raw", "self", "source", "str", "t_ns", "type", "values"}
-_RESERVED |= {"INF"}
+_RESERVED |= {"INF", "eddi_runtime"}
 
 
 class Leaf(NamedTuple):

@@ -170,14 +170,14 @@ class _System:
             self._near(self.node, f"rotors of {model.name}", rows, [self._ahead(chain)])
             ahead = Call("rotors.Rows", rows)
         count = len(model.values["rates"])
-        inputs: Sequence[tuple[str, int | None]]
+        by_place = sorted(range(count), key=model.values["positions"].__getitem__)
+        inputs: dict[int, tuple[str, int | None]]
         if model.values["status"] == "list":
             id_ = self._input(model.name, input_id(model.name, "status"), "bool[]", length=count)
-            inputs = [(id_, motor) for motor in range(count)]
+            inputs = {motor: (id_, motor) for motor in by_place}
         else:
-            ids = (input_id(model.name, f"motor_{motor}") for motor in range(count))
-            inputs = [(self._input(model.name, id_, "bool"), None) for id_ in ids]
-        by_place = sorted(range(count), key=model.values["positions"].__getitem__)
+            ids = ((motor, input_id(model.name, f"motor_{motor}")) for motor in by_place)
+            inputs = {motor: (self._input(model.name, id_, "bool"), None) for motor, id_ in ids}
         return ahead, tuple(sets), tuple(inputs[motor] for motor in by_place)
 
     def _ahead(self, chain: exact.Markov) -> list[tuple[D, ...]]:
@@ -195,7 +195,7 @@ class _System:
             for k, (row, of) in enumerate(zip(written, expected, strict=True), 1):
                 self._near(node, f"{what} {k}", row, of)
         elif type(written) is not float or not (
-            abs(D(written) - expected) <= _CLOSE * expected + _LEAST
+            abs(D(written) - expected) <= _CLOSE * expected + _LEAST * (expected > 0)
             if expected.is_finite()
             else written == math.inf
         ):
