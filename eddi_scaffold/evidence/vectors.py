@@ -10,7 +10,7 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.input_expressions import BoundInput
@@ -19,9 +19,6 @@ MOST_BYTES = 64 * 1024
 MOST_INPUTS = 150  # the table of more would be too long
 text = partial(json.dumps, ensure_ascii=False, allow_nan=False)
 """A value as JSON on one line."""
-
-
-T = TypeVar("T")
 
 
 class TooMuchError(Exception):
@@ -82,49 +79,6 @@ def changed(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, An
     """Return what is new, or of another type."""
     pairs = after.items()
     return {k: v for k, v in pairs if k not in before or text(before[k]) != text(v)}
-
-
-class Judge:
-    """A threshold: active while a value is not above its limits, by definition."""
-
-    def __init__(self, activate: float, release: float, hold: float) -> None:
-        self.activate, self.release, self.hold_ns = activate, release, round(hold * 1e9)
-        self.active = False
-        self.since: int | None = None  # from when on the value has been good
-
-    def is_near(self, value: float | None) -> bool:
-        """Return whether rounding decides."""
-        limits = (self.activate, self.release)
-        return value is not None and any(math.isclose(value, limit) for limit in limits)
-
-    def step(self, now: int, value: float | None) -> bool:
-        """Return whether it is active; ``None``: nothing is known that counts."""
-        if value is None or value > self.release:
-            self.active, self.since = False, None
-        elif value > self.activate:
-            self.since = None
-        else:
-            self.since = now if self.since is None or now < self.since else self.since
-            self.active = self.active or now - self.since >= self.hold_ns
-        return self.active
-
-
-def held(judge: Judge, judged: Iterable[tuple[float | None, T]]) -> list[tuple[int, T]]:
-    """Return times and values, from both sides, until just before the time to hold and at it.
-
-    Of those that are judged: what makes a threshold active, leaves it as it is, and ends it, each
-    as near to its limit as there is.
-    """
-    known = sorted(((p, k, of) for k, (p, of) in enumerate(judged) if p is not None))
-    good = [of for p, _, of in known if p <= judge.activate][-1:]
-    band = [of for p, _, of in known if judge.activate < p <= judge.release][:1]
-    bad = [of for p, _, of in known if p > judge.release][:1]
-    now, later = judge.hold_ns, 2 * judge.hold_ns
-    rows = [(0, bad), (1, band), (2, good), (1 + now, good), (2 + now, good), (3 + now, band)]
-    rows += [(4 + now, good), (5 + now, bad), (6 + now, band), (7 + now, good), (8 + now, band)]
-    rows += [(9 + now, good), (8 + later, good), (9 + later, good), (1, good), (2, bad)]
-    rows += [(9, good), (5, good), (4 + now, good), (5 + now, good)]
-    return [(time, value) for time, values in rows for value in values]
 
 
 def fitting_file(
