@@ -6,23 +6,19 @@ The functions that it calls are taken as they are: each must be one of the libra
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Iterable, Iterator, Mapping
-from importlib.resources import files
 from itertools import zip_longest
+from pathlib import Path
 from string import Template
 from typing import TYPE_CHECKING
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from eddi_scaffold.common.toml_tables import read_toml
 
 if TYPE_CHECKING:
     from eddi_scaffold.program.instructions import Operation
     from eddi_scaffold.program.standalone import StandaloneMonitor
 
-_FORMS = tomllib.loads(files(__package__).joinpath("c_forms.toml").read_text("utf-8"))
+_FORMS = read_toml(Path(__file__).with_name("c_forms.toml"))
 _TEXT_OR_COMMENT = re.compile(
     r"""(?mx) ("(?:[^"\\\n]|\\.)*")  # a text stays as it is
     | ^[ \t]* /\* (?:(?!\*/)[\s\S])* \*/ [ \t]*$  # lines of their own

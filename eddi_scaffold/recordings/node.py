@@ -37,7 +37,7 @@ WORDS = Fleet("", "", None, 0.0).words().id
 _HELPERS: Mapping[str, Callable[..., Any]] = {
     called.__name__: called for called in (by_id, by_key, by_name, given, joined)
 }
-_PLAIN_DEFAULTS: Mapping[str, Any] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
+PLAIN_DEFAULTS: Mapping[str, Any] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
 
 
 def blank(message_type: str) -> Message:
@@ -49,7 +49,7 @@ def blank(message_type: str) -> Message:
 def _default(type_: str) -> Any:
     if type_.endswith("]"):
         return []
-    return _PLAIN_DEFAULTS.get(type_, 0) if is_primitive(type_) else blank(type_)
+    return PLAIN_DEFAULTS.get(type_, 0) if is_primitive(type_) else blank(type_)
 
 
 def message_of(tree: Tree) -> Message:

@@ -27,10 +27,9 @@ from eddi_scaffold.config.field_paths import (
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.recordings.bags import own_messages
-from eddi_scaffold.recordings.node import SECOND
+from eddi_scaffold.recordings.node import PLAIN_DEFAULTS, SECOND
 
 _PERIODS = 10  # that a vector lasts
-_DEFAULTS: Mapping[str, Any] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
 _ENDS = ({"is": "inf"}, {"is": "-inf"})
 _ROS2_VERSION: Any = 9
 
@@ -161,7 +160,7 @@ def _field(store: Any, field: Any, given: Any) -> Any:
     if kind.name == "NAME":
         return _message(store, content, given or {})
     if kind.name == "BASE":
-        name, default = content[0], _DEFAULTS.get(content[0], 0)
+        name, default = content[0], PLAIN_DEFAULTS.get(content[0], 0)
         if given is None:
             return default
         for value in given if isinstance(given, list) else [given]:

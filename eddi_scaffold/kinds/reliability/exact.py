@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from eddi_scaffold.common.graphs import reached, reversed_graph
 from eddi_scaffold.evidence.emitted import UnprovedError
-from eddi_scaffold.evidence.sums import Polynomial
+from eddi_scaffold.kinds.reliability.sums import Polynomial
 from eddi_scaffold.kinds.reliability.system import DYNAMIC, FATAL, Chain, FaultTree, Law
 
 D: TypeAlias = Decimal

@@ -15,7 +15,6 @@ from operator import or_
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.evidence.emitted import UnprovedError
-from eddi_scaffold.evidence.sums import variables
 from eddi_scaffold.evidence.vectors import (
     Run,
     Step,
@@ -25,6 +24,7 @@ from eddi_scaffold.evidence.vectors import (
 )
 from eddi_scaffold.kinds.reliability import exact
 from eddi_scaffold.kinds.reliability.exact import D
+from eddi_scaffold.kinds.reliability.sums import variables
 from eddi_scaffold.kinds.reliability.system import (
     Chain,
     ComponentModel,

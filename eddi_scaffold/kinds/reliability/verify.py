@@ -14,9 +14,9 @@ from decimal import localcontext
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.evidence.emitted import Call, Class, Emitted, UnprovedError, data, reading
-from eddi_scaffold.evidence.sums import Polynomial, returned, variables
 from eddi_scaffold.kinds.reliability import exact
 from eddi_scaffold.kinds.reliability.exact import INF, ONE, D, after
+from eddi_scaffold.kinds.reliability.sums import Polynomial, returned, variables
 from eddi_scaffold.kinds.reliability.system import (
     MISSION_END,
     Chain,
