@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from eddi_scaffold.conditions.analysis import Analysis
+    from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.program.standalone import StandaloneMonitor
 
 
@@ -78,11 +79,13 @@ def event(
     if not serve and (config is not None or (path is not None and _is_model(path))):
         if inputs is not None or (check and output is None):
             raise EddiError(problem("E026.conditions"))
-        report, printed, files = _of_model(path, config, target, name, as_json=as_json)
+        from eddi_scaffold.monitors.exports import in_c
+
+        report, monitor, printed = _of_model(path, config, target, name, as_json=as_json)
         if check and output is not None:
             _compare(printed, output, as_json=as_json)
         else:
-            _write(report, files, output, as_json=as_json)
+            _write(report, in_c(monitor, printed), output, as_json=as_json)
         return
     source, label = text or "", EXPRESSION
     if path is not None:
@@ -99,19 +102,18 @@ def event(
     if target == "c" and not check and inputs is None:
         problems = (*analysis.problems, *without_limits(analysis, label))
         analysis = replace(analysis, problems=problems)
-    own = path.stem if path is not None else "event"
+    stem = name or module_name(path.stem if path is not None else "event")
     if not as_json:
         console.problems(analysis.problems)
     if inputs is not None:
         _try(analysis, inputs, as_json=as_json)
     elif check and output is not None and target == "c":
-        _compare(monitor_model(analysis, name or module_name(own)), output, as_json=as_json)
+        _compare(monitor_model(analysis, stem), output, as_json=as_json)
     elif check and as_json:
         console.json(report_json(analysis))
     elif check:
         console.data("\n".join(as_text(analysis)))
     else:
-        stem = name or module_name(own)
         files = generate(analysis, target, stem)
         _write(report_json(analysis), files, output, as_json=as_json)
 
@@ -156,8 +158,8 @@ def _is_model(path: Path) -> bool:
 
 def _of_model(
     path: Path | None, config: Path | None, target: Target, name: str | None, *, as_json: bool
-) -> tuple[dict[str, Any], StandaloneMonitor, Mapping[str, str]]:
-    from eddi_scaffold.monitors.exports import in_c, standalone, without_limits
+) -> tuple[dict[str, Any], BoundMonitor, StandaloneMonitor]:
+    from eddi_scaffold.monitors.exports import standalone, without_limits
     from eddi_scaffold.packages.assembly import monitors_of, only
 
     monitors, problems = monitors_of(path, [config] if config is not None else [])
@@ -168,7 +170,7 @@ def _of_model(
     if not as_json:
         console.problems(problems)
     report = {"problems": [problem.as_json() for problem in problems]}
-    return report, printed, in_c(monitor, printed)
+    return report, monitor, printed
 
 
 def _compare(model: StandaloneMonitor, folder: Path, *, as_json: bool) -> None:

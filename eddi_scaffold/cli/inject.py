@@ -88,7 +88,7 @@ def _write_vectors(path: Path, files: Sequence[Path]) -> None:
 
     place = Place(str(path))
     if path.exists() or not path.name:
-        raise EddiError(problem("G003.recording_exists", place))
+        raise EddiError(problem("G006.recording_exists", place))
     members, problems = members_of(files, None, _OPTIONS, code=False)
     console.problems(problems)
     monitors = [member.monitor for member in members]
